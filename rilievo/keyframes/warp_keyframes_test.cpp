@@ -116,7 +116,7 @@ struct Slow {
     });
   }
 
-  Lookup find(float px, float py, float w) const {
+  Lookup find(float px, float py, float w, bool mixes) const {
     Lookup found;
     for (const bool spare : {false, true})
       for (const WarpedKeyframe& one : keys) {
@@ -149,7 +149,7 @@ struct Slow {
           else if ((same || before) && shows != Quarter::nearer)
             front += all * int(color >> 24 & 7);
           if (!same) continue;
-          const int weight = shows == Quarter::own ? all : all >> kOtherQuarterShift;
+          const int weight = shows == Quarter::own ? all : mixes ? all >> kOtherQuarterShift : 0;
           shown += all, sure += weight, known += shows == Quarter::own ? all : 0;
           r += weight * int(color & 255), g += weight * int(color >> 8 & 255);
           b += weight * int(color >> 16 & 255);
@@ -186,9 +186,9 @@ struct Slow {
         const bool is_behind = nearest > own * times;
         const bool edge = is_behind || own > farthest * times;
         const float front = is_behind ? nearest : own, back = is_behind ? own : farthest;
-        const Lookup nearer = find(px, py, front);
+        const Lookup nearer = find(px, py, front, edge || front > 0);
         Lookup farther;
-        if (edge) farther = find(px, py, back);
+        if (edge) farther = find(px, py, back, true);
         const bool behind = farther.cover > kLeastShown;
         if (!behind && !(nearer.cover > kLeastShown && (edge || nearer.own > 0))) continue;
         const float covers = nearer.front / (nearer.weight > 0 ? nearer.weight : 1);

@@ -160,8 +160,9 @@ HWY_INLINE bool load_beside(const Keyframe& key, int finer, VI ix, VI iy, Mask w
 }
 
 // Looks up the surfaces at pixels `px` of row `py`, at 1 / eye_z `w`. Colours are summed two bytes
-// at a time, in 16 bits each: weights are whole and make up at most 256.
-HWY_INLINE Found find(const WarpSource* sources, int count, VF px, float py, VF w) {
+// at a time, in 16 bits each: weights are whole and make up at most 256. `mixes`: quarters that
+// show something else than their texel count, too, a little.
+HWY_INLINE Found find(const WarpSource* sources, int count, VF px, float py, VF w, Mask mixes) {
   const F f;
   const I i32;
   const U u32;
@@ -252,8 +253,9 @@ HWY_INLINE Found find(const WarpSource* sources, int count, VF px, float py, VF 
         const auto behind = hn::AndNot(nearer, hn::Or(same, before));
         const VU eighths = hn::IfThenElse(in_front, of_same, hn::IfThenElseZero(behind, of_nearer));
         front = hn::Add(front, hn::IfThenZeroElse(hidden, hn::Mul(all, eighths)));
-        const VU weight = hn::IfThenElseZero(
-            same, hn::IfThenElse(own, all, hn::ShiftRight<kOtherQuarterShift>(all)));
+        const VU of_other =
+            hn::IfThenElseZero(hn::RebindMask(u32, mixes), hn::ShiftRight<kOtherQuarterShift>(all));
+        const VU weight = hn::IfThenElseZero(same, hn::IfThenElse(own, all, of_other));
         known = hn::Add(known, hn::IfThenElseZero(hn::And(same, own), all));
         sure = hn::Add(sure, weight);
         even = hn::Add(even, hn::Mul(weight, hn::And(color, pairs)));

@@ -189,13 +189,16 @@ std::uint32_t shade(const WarpSource* sources, int count, const DepthStrip& stri
     const Mask edge = hn::Or(is_behind, hn::Gt(splatted, hn::Mul(farthest, times)));
     const VF front = select(is_behind, nearest, splatted),
              back = select(is_behind, splatted, farthest);
-    const Found nearer = find(sources, count, px, py, front);
+    // In the sky away from edges what was before it is elsewhere by now. A surface may have another
+    // one just before it, which is no edge.
+    const Mask mixes = hn::Or(edge, hn::Gt(front, zero));
+    const Found nearer = find(sources, count, px, py, front, mixes);
     // Shown as a whole where it is no edge.
     Mask shown = hn::And(hn::Gt(nearer.cover, least), hn::Or(edge, hn::Gt(nearer.own, zero)));
     VF part = hn::IfThenElseZero(shown, one), w = front;
     Found sum{zero, zero, zero, zero, zero, zero, zero};
     if (!hn::AllFalse(f, edge)) {
-      const Found farther = find(sources, count, px, py, back);
+      const Found farther = find(sources, count, px, py, back, edge);
       const Mask behind = hn::And(edge, hn::Gt(farther.cover, least));
       // Without anything behind, the surface in front is all there is.
       const VF covers =
