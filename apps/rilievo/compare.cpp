@@ -107,8 +107,7 @@ struct Stages {
   Stage all, one_sample;
 };
 
-// What draws each method; what the file holds, if there is one, is what they draw.
-Result<Method> make(const std::string& method, const CompareCommand& options, Stages& stages) {
+Result<Method> make_one(const std::string& method, const CompareCommand& options, Stages& stages) {
   if (method == kOneSample) {
     MethodOptions software = options.method_options;
     software.draw = "software";
@@ -119,6 +118,14 @@ Result<Method> make(const std::string& method, const CompareCommand& options, St
   Result<PictureFileContent> content = open_representation(options.file);
   if (!content) return content.error();
   return stages.all.make(method, options.method_options, std::move(content->representation));
+}
+
+// What draws each method; what the file holds, if there is one, is what they draw. Errors name the
+// method: there are several.
+Result<Method> make(const std::string& method, const CompareCommand& options, Stages& stages) {
+  Result<Method> made = make_one(method, options, stages);
+  if (made || made.error().where == "--method") return made;
+  return Error{method + ": " + made.error().where, made.error().reason};
 }
 
 // All methods walk again, through a scene whose colours tell positions. `truth` draws the scene.

@@ -116,10 +116,10 @@ Rgba8Image opaque_colors(const Image<std::uint32_t>& color) {
   return colors;
 }
 
-Camera keyframe_camera(const Camera& frame, KeyframeMargin margin, double texels) {
+Camera keyframe_camera(const Camera& frame, KeyframeMargin margin, double texels, int most_rows) {
   RILIEVO_EXPECTS(margin.x >= 1 && margin.y >= 1 && texels > 0);
   // Three are what is rounded up.
-  texels = std::min(texels, (Keyframe::kMostRows - 3) / (margin.y * frame.height));
+  texels = std::min(texels, (most_rows - 3) / (margin.y * frame.height));
   Camera camera = frame;
   // As many texels on either side, so that a pixel's texels keep their places.
   const auto wider = [&](int pixels, double times) {

@@ -42,8 +42,8 @@ inline constexpr std::uint32_t kWholeTexel = quarter_code(Quarter::own, 4, 0);
 struct Keyframe {
   // Columns of a segment and rows of a block, for which ranges of depth are kept.
   static constexpr int kColumns = 64, kRows = 16;
-  // With quarters that are as many as the rasteriser captures.
-  static constexpr int kMostRows = 2048;
+  // As many as the rasteriser captures.
+  static constexpr int kMostRows = 4096, kMostRowsWithQuarters = kMostRows / 2;
 
   Camera camera;                // perspective
   Image<std::uint32_t> color;   // sRGB bytes R, G, B, the first one in the lowest bits; above them
@@ -89,8 +89,9 @@ struct KeyframeMargin {
 
 // The camera of a keyframe at a frame's eye, with `texels` texels for each pixel of the frame.
 // Sizes are rounded up, and the window with them, so that with texels = 1 the texels' centres lie
-// on the frame's pixels' centres. Of frames whose keyframes would have more than kMostRows rows
+// on the frame's pixels' centres. Of a frame whose keyframe would have more than `most_rows` rows
 // there are fewer texels for each pixel.
-[[nodiscard]] Camera keyframe_camera(const Camera& frame, KeyframeMargin margin, double texels = 1);
+[[nodiscard]] Camera keyframe_camera(const Camera& frame, KeyframeMargin margin, double texels = 1,
+                                     int most_rows = Keyframe::kMostRows);
 
 }  // namespace rilievo

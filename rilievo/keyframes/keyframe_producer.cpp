@@ -48,13 +48,6 @@ double turn_between(const Camera& a, const Camera& b) {
   return std::acos(std::clamp(glm::dot(a.forward(), b.forward()), -1.0, 1.0));
 }
 
-// Its view, of the frame's eye.
-Camera plain(const Camera& camera, const Camera& frame, KeyframeMargin margin) {
-  Camera moved = frame;
-  moved.world_from_eye = camera.world_from_eye;
-  return keyframe_camera(moved, margin);
-}
-
 }  // namespace
 
 KeyframeProducer::KeyframeProducer(CaptureSource& source, CaptureSource& quick,
@@ -66,6 +59,21 @@ KeyframeProducer::KeyframeProducer(CaptureSource& source, CaptureSource& quick,
 }
 
 KeyframeProducer::~KeyframeProducer() { stop_.request_stop(); }
+
+// Of a fine keyframe.
+Camera KeyframeProducer::camera_with(const Camera& frame, KeyframeMargin margin) const {
+  return keyframe_camera(frame, margin, 1,
+                         options_.samples > 1 && !(options_.samples == 4 && options_.whole_texels)
+                             ? Keyframe::kMostRowsWithQuarters
+                             : Keyframe::kMostRows);
+}
+
+// An eye's view, as the last frame's.
+Camera KeyframeProducer::plain(const Camera& eye) const {
+  Camera moved = frame_;
+  moved.world_from_eye = eye.world_from_eye;
+  return camera_with(moved, margin());
+}
 
 std::size_t KeyframeProducer::bytes() const {
   std::size_t bytes = 0;
@@ -106,7 +114,7 @@ void KeyframeProducer::keep_memory(Keyframe keyframe) {
 // Of those to come, wide enough for an eye that turns sideways: frames that are timed touch no new
 // page.
 void KeyframeProducer::take_memory() {
-  const Camera wide = keyframe_camera(frame_, {options_.margin * kTurningMargin, options_.margin});
+  const Camera wide = camera_with(frame_, {options_.margin * kTurningMargin, options_.margin});
   while (spare_.size() < kSpare) resize(spare_.emplace_back(), wide, ready_.back().quarters());
 }
 
@@ -139,14 +147,13 @@ KeyframeMargin KeyframeProducer::margin() const {
 
 // Is a keyframe for this eye one of where the frame's eye is, and stays?
 bool KeyframeProducer::stands_at(const Camera& eye) const {
-  const Camera standing = plain(frame_, frame_, margin());
-  return same_view(plain(eye, frame_, margin()), standing) &&
-         same_view(plain(prediction_.after(1), frame_, margin()), standing);
+  const Camera standing = plain(frame_);
+  return same_view(plain(eye), standing) && same_view(plain(prediction_.after(1)), standing);
 }
 
 // An eye that stands gets a sharp one.
 bool KeyframeProducer::has_one_of(const Camera& eye) const {
-  const Camera camera = plain(eye, frame_, margin());
+  const Camera camera = plain(eye);
   const bool stands = stands_at(eye);
   return std::ranges::any_of(ready_, [&](const Keyframe& key) {
     return !key.coarse && (key.sharp || !stands) && same_view(key.camera, camera);
@@ -155,7 +162,7 @@ bool KeyframeProducer::has_one_of(const Camera& eye) const {
 
 void KeyframeProducer::begin(const Camera& eye, bool stands) {
   KeyframeRequest request;
-  request.camera = plain(eye, frame_, margin());
+  request.camera = plain(eye);
   request.objects = objects_;
   request.samples = options_.samples, request.whole_texels = options_.whole_texels;
   request.time = time_, request.sky = options_.sky;
@@ -275,7 +282,7 @@ double KeyframeProducer::ms_a_frame() const { return std::max(options_.keyframe_
 
 KeyframeProducer::Columns KeyframeProducer::columns_a_frame() const {
   constexpr int kBand = KeyframeMaker::kBand;
-  const int width = keyframe_camera(frame_, margin()).width;
+  const int width = camera_with(frame_, margin()).width;
   const auto of_frames = [&](int frames) {
     const int columns = (width + frames - 1) / frames;
     return (columns + kBand - 1) / kBand * kBand;
@@ -383,7 +390,7 @@ void KeyframeProducer::note_cost(double ms, int columns) {
   else if (!maker_.in_parts())
     ms_per_column_ += (ms / columns - ms_per_column_) * kNewestCost;
   measured_ = measured_ || !maker_.busy();
-  const int height = keyframe_camera(frame_, margin()).height;
+  const int height = camera_with(frame_, margin()).height;
   ms_per_texel_ = ms_per_column_ / height;
 }
 

@@ -96,6 +96,8 @@ class KeyframeProducer {
  private:
   void choose();
   [[nodiscard]] KeyframeMargin margin() const;
+  [[nodiscard]] Camera camera_with(const Camera& frame, KeyframeMargin margin) const;
+  [[nodiscard]] Camera plain(const Camera& eye) const;
   [[nodiscard]] bool stands_at(const Camera& eye) const;
   [[nodiscard]] bool has_one_of(const Camera& eye) const;
   Result<> work_beside();

@@ -93,10 +93,10 @@ void add_sky(const Sky& sky, DepthImage& picture) {
   });
 }
 
-// Of one band, so that with the columns beside it twice its width is no more than the rasteriser
-// captures.
+// Of a band with quarters, so that with the columns beside it twice its width is no more than the
+// rasteriser captures.
 constexpr int kMostColumns = 125 * KeyframeMaker::kBand;
-static_assert(2 * (kMostColumns + 2) <= 2 * Keyframe::kMostRows);
+static_assert(2 * (kMostColumns + 2) <= Keyframe::kMostRows);
 
 // Columns [from, to) of a camera, at `scale` times its size.
 Camera band_of(const Camera& camera, int from, int to, int scale) {
@@ -210,10 +210,10 @@ Result<> KeyframeMaker::step(CaptureSource& source, int columns, const CaptureCo
     step_of_parts(columns);
     return Done{};
   }
-  // A wide frame's bands are as many as sources can capture.
-  for (int left = (columns + kBand - 1) / kBand * kBand; left > 0 && busy(); left -= kMostColumns)
-    if (Result<> done = step_of_bands(source, std::min(left, kMostColumns), control); !done)
-      return done;
+  // Bands are no wider than sources can capture.
+  const int most = keyframe_.quarters() ? kMostColumns : 2 * kMostColumns;
+  for (int left = (columns + kBand - 1) / kBand * kBand; left > 0 && busy(); left -= most)
+    if (Result<> done = step_of_bands(source, std::min(left, most), control); !done) return done;
   return Done{};
 }
 

@@ -8,6 +8,7 @@
 
 #include "rilievo/capture/forwarding_source.h"
 #include "rilievo/capture/raster_source.h"
+#include "rilievo/capture/shapes_test_helpers.h"
 #include "rilievo/core/color.h"
 #include "rilievo/core/random.h"
 #include "rilievo/keyframes/warp_keyframes.h"
@@ -173,8 +174,8 @@ TEST(MakeKeyframe, LargeFramesHaveKeyframesTheRasteriserCanCapture) {
     for (const double margin : {1.0, 1.2, 1.44}) {
       Camera frame = stage.frame;
       frame.width = size.x, frame.height = size.y;
-      const Camera camera = keyframe_camera(frame, margin);
-      EXPECT_LE(camera.height, Keyframe::kMostRows);
+      const Camera camera = keyframe_camera(frame, margin, 1, Keyframe::kMostRowsWithQuarters);
+      EXPECT_LE(camera.height, Keyframe::kMostRowsWithQuarters);
       // Its window holds the margin, and its texels are square where pixels are.
       const auto wide = [](const Camera& c) { return c.window.right - c.window.left; };
       const auto high = [](const Camera& c) { return c.window.top - c.window.bottom; };
@@ -200,6 +201,36 @@ TEST(MakeKeyframe, LargeFramesHaveKeyframesTheRasteriserCanCapture) {
   for (std::size_t i = 0; i < key->color.texels().size(); ++i)
     differ += key->color.texels()[i] != narrow.color.texels()[i];
   EXPECT_LT(double(differ), 0.02 * double(key->color.texels().size()));
+}
+
+// What was before it is elsewhere in a frame of another eye.
+TEST(MakeKeyframe, OfTheSkyAwayFromEdgesNothingElseIsShown) {
+  Scene scene;
+  test_shapes::add(scene, test_shapes::sphere(1), {0.9f, 0.05f, 0.05f});
+  finish(scene);
+  const PlacedScene placed(scene);
+  RasterSource source(placed);
+  const Camera eye = look_at({0, 0, 4}, {0, 0, 0}, {0, 1, 0}, 0.9, 160, 120, 0.1, 50);
+  const Result<Keyframe> key = make_keyframe(source, {keyframe_camera(eye, 1.3), {}, 4});
+  ASSERT_TRUE(key);
+  const WarpedKeyframe one{&*key, 1};
+  int looked_at = 0;
+  for (const double aside : {0.15, 0.5, 1.1}) {
+    Camera frame = eye;
+    frame.world_from_eye[3].x += aside;
+    WarpedFrame out;
+    warp_keyframes({&one, 1}, frame, out);
+    for (int y = 2; y < frame.height - 2; ++y)
+      for (int x = 2; x < frame.width - 2; ++x) {
+        bool sky = true;
+        for (int i = 0; i < 25; ++i) sky = sky && out.inverse_z(x + i % 5 - 2, y + i / 5 - 2) == 0;
+        if (!sky || out.hole(x, y)) continue;
+        ++looked_at;
+        const std::uint32_t color = out.color(x, y);
+        ASSERT_LT(int(color & 255) - int(color >> 16 & 255), 40) << x << " " << y;
+      }
+  }
+  EXPECT_GT(looked_at, 30000);
 }
 
 TEST(MakeKeyframe, SixteenSamplesKeepTheSecondNearestOfFourDepths) {

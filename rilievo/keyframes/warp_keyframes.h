@@ -67,8 +67,8 @@ inline constexpr float kSameSurfaceDepth = 0.03f;
 // So many of them must show the pixel's surface; with more than so many all of it is shown.
 inline constexpr int kTexelWeights = 256, kLeastShown = 64, kAllShown = 250;
 // A quarter of a surface's texel that shows another surface has a colour, too, which counts less:
-// its weight is shifted by so many bits. Away from edges it does not do alone: it would be a dot of
-// something nearer, which is elsewhere in the frame.
+// its weight is shifted by so many bits. Away from edges it does not do alone, and of the sky it
+// does not count: it would be a dot of something nearer, which is elsewhere in the frame.
 inline constexpr int kOtherQuarterShift = 3;
 // Half of the side of a texel's square, in texels: a little more than half, against cracks.
 inline constexpr float kHalfSquare = 0.55f;

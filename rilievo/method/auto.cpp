@@ -176,11 +176,15 @@ Result<> AutoFrames::measure_loss_of_levels(const Camera& camera, double time) {
 // They draw with another error from the next frame on: what was seen of them says nothing, and they
 // show something else.
 void AutoFrames::forget_levels() {
-  loss_[kLevels].db.reset();
-  // Of the other thread, while something is prepared.
-  if (losses_ && preparing_ < 0) losses_->forget();
-  if (pieces_) pieces_->forget();
+  forget_loss_of_levels();
   refined_ = drawn_by_ == kLevels;
+}
+
+void AutoFrames::forget_loss_of_levels() {
+  loss_[kLevels].db.reset();
+  // Of the other thread, while something is prepared: adopt() forgets them.
+  if (preparing_ < 0 && losses_) losses_->forget();
+  if (pieces_) pieces_->forget();
 }
 
 // Are its frames as near to the truth as polygons, or as can be seen?
@@ -286,11 +290,7 @@ Result<> AutoFrames::draw(const Camera& camera, double time) {
     ms = watch.ms();
   }
   show(camera, time, choice.draws);
-  // During a trial of another they go on, as much as they must to be taken again: it may fail.
-  const bool kept = choice.draws != kKeyframes && decision_->draws() == kKeyframes && keyframes_ &&
-                    preparing_ < 0 && frame_ - keyframes_seen_ >= kKeyframesLast - 3 &&
-                    keyframes_->prepare(camera, time, false);
-  if (choice.draws == kKeyframes || kept) keyframes_seen_ = frame_;
+  if (choice.draws == kKeyframes || keep_keyframes(camera, time, choice)) keyframes_seen_ = frame_;
   if (choice.prepares >= 0) prepare(choice.prepares);
   if (preparing_ == kKeyframes) shared_eye_.post(eye_, time);
   if (options_.by_clock && (choice.draws == kKeyframes || choice.draws == kLevels))
@@ -316,6 +316,18 @@ Result<> AutoFrames::draw(const Camera& camera, double time) {
                      choice.rival_ms};
   fade(camera);
   return Done{};
+}
+
+// During a trial of another they go on, as much as they must to be taken again: it may fail. Are
+// they as new as if they had drawn this frame?
+bool AutoFrames::keep_keyframes(const Camera& camera, double time, const AutoChoice& choice) {
+  if (choice.draws == kKeyframes || decision_->draws() != kKeyframes || !keyframes_ ||
+      preparing_ >= 0)
+    return false;
+  if (frame_ - keyframes_seen_ >= kKeyframesLast - 3)
+    return keyframes_->prepare(camera, time, false).ok();
+  keyframes_->follow(camera, time);
+  return false;
 }
 
 void AutoFrames::follow(const MethodOptions& options) {

@@ -15,9 +15,9 @@
 //
 // A scene that has few triangles for the frame's pixels is drawn directly, and nothing else is
 // made. The cache and direct drawing are one chooser's. Where keyframes promise much the first two
-// frames make two, and wait for that; everything else is prepared beside the frames, which do not
-// wait for it, and not before it may pay. Where another method begins to draw the frames before
-// fade out.
+// frames make two, or one that is hopeless, and wait for that; everything else is prepared beside
+// the frames, which do not wait for it, and not before it may pay. Where another method begins to
+// draw the frames before fade out.
 #pragma once
 
 #include <string_view>

@@ -126,7 +126,7 @@ class AutoDecision {
   }
   // The method's that draws, without trials; 0: not known yet.
   [[nodiscard]] double drawn_ms() const { return mean_ms(draws_); }
-  // It draws, but for a trial of another.
+  // The method that draws, apart from trials.
   [[nodiscard]] int draws() const { return draws_; }
   void set_pace(double ms) { pace_ms_ = ms; }
 

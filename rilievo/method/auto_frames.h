@@ -76,7 +76,8 @@ class AutoFrames final : public FrameSource {
     AutoLevels levels;
     std::unique_ptr<KeyframeFrames> keyframes;
     bool failed = false;
-    ShownFrame shown;  // what it is compared with
+    double error_px = 0;  // that was asked for when it began
+    ShownFrame shown;     // what it is compared with
     Audition found;
   };
 
@@ -107,6 +108,8 @@ class AutoFrames final : public FrameSource {
   Result<> measure_loss(const Camera& camera, double time, const AutoChoice& choice);
   Result<> measure_loss_of_levels(const Camera& camera, double time);
   void forget_levels();
+  void forget_loss_of_levels();
+  [[nodiscard]] bool keep_keyframes(const Camera& camera, double time, const AutoChoice& choice);
   [[nodiscard]] Result<std::optional<double>> look_at_levels(const Camera& camera, double time);
   void prepare(int method, int goes_on = 0);
   void fade(const Camera& camera);

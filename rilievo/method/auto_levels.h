@@ -30,7 +30,8 @@ struct AutoLevels {
 
 // From the next frame on this error is asked for, of which they take their share. Requires frames.
 void follow_error(double error_px, AutoLevels& levels);
-// From the next frame on they take half of their share. No, if that would be too little to gain.
+// From the next frame on they take half of their share. Returns false if they are the finest
+// already.
 [[nodiscard]] bool make_finer(double error_px, AutoLevels& levels);
 
 // Draws a frame of a software backend for the eye of the one that is shown, which touches all of a

@@ -44,6 +44,7 @@ void AutoFrames::prepare(int method, int goes_on) {
   preparing_ = method, stage_ = Preparing::made;
   shared_eye_.forget();
   prepared_ = false;
+  made_.error_px = options_.error_px;
   const bool hurry = in_a_hurry(outlook_[std::size_t(method)].guess_ms);
   if (!beside_ || hurries_ != hurry) beside_.emplace(hurries_ = hurry);
   const Scene& scene = (*software)->scene();
@@ -69,7 +70,8 @@ void AutoFrames::prepare(int method, int goes_on) {
 
 // What was shown, for what is prepared to be compared with.
 void AutoFrames::show(const Camera& camera, double time, int drawn_by) {
-  if (preparing_ < 0 || stage_ != Preparing::shown) return;
+  // The frame before a jump shows another place.
+  if (preparing_ < 0 || stage_ != Preparing::shown || eye_.jumped()) return;
   const SoftwareTarget* target = active_->software_target();
   if (!target) return;
   ShownFrame& shown = made_.shown;
@@ -147,6 +149,8 @@ Result<> AutoFrames::adopt() {
     off_[method] = std::clamp(ms / guess_ms, 1 / kMostOff, kMostOff);
   // Levels are polygons, too.
   if (method == kLevels && direct_frames_ == 0) off_[kDirect] = std::max(1.0, off_[kLevels]);
+  // What was seen of levels was of another error.
+  if (made_.error_px != options_.error_px) forget_loss_of_levels();
   made_ = {};
   // Memory, mostly: the other methods go on.
   if (frames) frames_[method] = std::move(*frames);

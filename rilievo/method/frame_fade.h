@@ -19,7 +19,7 @@ namespace rilievo {
 class FrameFade final : private TileDrawer {
  public:
   static constexpr int kFrames = 8;
-  // Where both methods show as nearly the truth as can be seen, on the whole: a small part of the
+  // Where both methods are measured to be as near to the truth as can be seen: a small part of the
   // frame may still differ.
   static constexpr int kFewFrames = 2;
 

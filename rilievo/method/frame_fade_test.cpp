@@ -94,7 +94,6 @@ TEST_F(FrameFadeTest, of_an_eye_that_stands_each_frame_is_a_step_nearer) {
   EXPECT_FALSE(fade.goes_on());
 }
 
-// The slow twin: each pixel through the world, in double precision.
 TEST_F(FrameFadeTest, of_few_frames_each_is_a_larger_step) {
   const SoftwareTarget& now = draw(0, 0);
   const SoftwareTarget old = darker(now);
@@ -109,12 +108,12 @@ TEST_F(FrameFadeTest, of_few_frames_each_is_a_larger_step) {
   EXPECT_FALSE(fade.goes_on());
 }
 
-// The slow twin: each pixel through the world, in double precision.
 class RolledFadeTest : public FrameFadeTest, public ::testing::WithParamInterface<double> {};
 
 // Of an eye that rolls a row's pixels lie in several rows of the old frame.
 INSTANTIATE_TEST_SUITE_P(Rolled, RolledFadeTest, ::testing::Values(0.0, 0.35, -2.0));
 
+// The slow twin: each pixel through the world, in double precision.
 TEST_P(RolledFadeTest, what_the_old_frame_shows_is_found_by_the_new_ones_depth) {
   roll_ = GetParam();
   width_ = 189;  // no multiple of what is mixed at once

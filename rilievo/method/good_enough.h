@@ -5,6 +5,8 @@
 #include <cmath>
 #include <optional>
 
+#include "rilievo/core/expects.h"
+
 namespace rilievo {
 
 // What is at most so much below the cache is as good.
@@ -35,6 +37,7 @@ inline constexpr double kMostTimes = 2;
 // allowed_db.
 [[nodiscard]] inline bool good_enough(double loss_db, std::optional<double> cache_loss_db,
                                       double allowed_db) {
+  RILIEVO_EXPECTS(allowed_db >= 0);
   const double as_cache = cache_loss_db ? *cache_loss_db + kAsGoodDb : allowed_db;
   return loss_db <= std::clamp(as_cache, allowed_db, kMostTimes * allowed_db);
 }

@@ -350,6 +350,13 @@ Result<> KeyframeFrames::prepare(const Camera& camera, double time, bool anew) {
   return done;
 }
 
+void KeyframeFrames::follow(const Camera& camera, double time) {
+  State& s = *state_;
+  if (!s.any_still) return;
+  s.placed.set_time(time);
+  (void)s.producer->follow(camera, time);
+}
+
 Result<> KeyframeFrames::prepare_first(const Camera& camera, double time) {
   State& s = *state_;
   if (!s.any_still) return Done{};

@@ -80,6 +80,8 @@ class KeyframeFrames final : public FrameSource {
   // Beside a frame that something else draws: makes a part of a keyframe. `anew`: this is the first
   // such frame for some time, and keyframes from before are forgotten. Fails where a capture does.
   Result<> prepare(const Camera& camera, double time, bool anew);
+  // Beside one in which nothing is made: only where the eye goes is learned.
+  void follow(const Camera& camera, double time);
   // Forgets all keyframes, and makes one for this frame at once. Fails where a capture does.
   Result<> prepare_first(const Camera& camera, double time);
   // And the second one, in the next frame, whose eye is `eye`: for as many frames ahead as a

@@ -317,6 +317,7 @@ void KeyframeTiles::State::draw_sky(FrameTile& tile) const {
 void KeyframeTiles::State::copy_sky(FrameTile& tile, int block) const {
   const int x = tile.x + block % FrameTile::kBlocks * kBlockSize,
             y = tile.y + block / FrameTile::kBlocks * kBlockSize;
+  if (x >= tile.width || y >= tile.height) return;
   const int columns = std::min(kBlockSize, tile.width - x),
             rows = std::min(kBlockSize, tile.height - y);
   const int planes = tile.planes(block);

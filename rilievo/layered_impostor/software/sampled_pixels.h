@@ -1,7 +1,8 @@
-// Of which pixels of a tile is each sample looked at? Internal to `layered_impostor/software`.
+// The pixels of a tile of which each sample is looked at. Internal to `layered_impostor/software`.
 //
-// Of those along silhouettes, and of those that follow from them: what is thinner than a pixel may
-// pass between the centres of many pixels in a row, each beside one whose samples show it.
+// They lie along silhouettes, or follow from those: what is thinner than a pixel may pass between
+// the centres of many pixels in a row, each beside one whose samples show it. Pixels are followed
+// within their tile, and within the first one's depths.
 #pragma once
 
 #include <array>

@@ -159,9 +159,10 @@ void PolygonTiles::State::find_reach(const Camera& camera, const PlacedScene& pl
       if (scene.meshes[std::size_t(part.mesh)].primitive != Primitive::triangles) reach = whole;
     Box box = placed.bounds()[object];
     if (box.empty()) return;
-    // Bounds in single precision are rounded.
-    const glm::vec3 slack =
-        4 * std::numeric_limits<float>::epsilon() * glm::max(glm::abs(box.min), glm::abs(box.max));
+    // Bounds in single precision are rounded, and so are far vertices that a placement brings near.
+    const glm::vec3 slack = 4 * std::numeric_limits<float>::epsilon() *
+                            (glm::max(glm::abs(box.min), glm::abs(box.max)) +
+                             glm::abs(glm::vec3(placed.poses()[object][3])));
     box.min -= slack, box.max += slack;
     reach.add(rect_of_box(camera, view_of_box(eye, box, Projection::perspective)));
   };
