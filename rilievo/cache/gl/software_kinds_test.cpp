@@ -196,6 +196,9 @@ TEST_F(SoftwareKindsTest, baked_objects_of_a_scene) {
         return chooser(placed, software_drawable_rows());
       });
   ASSERT_TRUE(software.ok());
+  // Along silhouettes they differ: OpenGL knows the neighbours of a pixel in its quad alone, and
+  // software follows what is thinner than a pixel.
+  least_db_ = 42;
   for (const Camera& camera : cameras_around(builtin.scene, 3, 6))
     expect_same(opengl, **software, camera, 0.2);
   EXPECT_GT((*software)->stats().count(kind.name), 0);
