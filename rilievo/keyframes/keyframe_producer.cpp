@@ -63,7 +63,7 @@ KeyframeProducer::~KeyframeProducer() { stop_.request_stop(); }
 // Of a fine keyframe.
 Camera KeyframeProducer::camera_with(const Camera& frame, KeyframeMargin margin) const {
   return keyframe_camera(frame, margin, 1,
-                         options_.samples > 1 && !(options_.samples == 4 && options_.whole_texels)
+                         makes_quarters(options_.samples, options_.whole_texels)
                              ? Keyframe::kMostRowsWithQuarters
                              : Keyframe::kMostRows);
 }

@@ -113,8 +113,7 @@ void KeyframeMaker::begin(const KeyframeRequest& request, Keyframe reuse) {
   request_ = request;
   request_.objects = objects_;
   keyframe_ = std::move(reuse);
-  resize(keyframe_, request.camera,
-         request.samples == 16 || (request.samples == 4 && !request.whole_texels));
+  resize(keyframe_, request.camera, makes_quarters(request.samples, request.whole_texels));
   keyframe_.coarse = request.coarse, keyframe_.sharp = request.sharp;
   keyframe_.left_out.assign(request.left_out.begin(), request.left_out.end());
   next_ = 0, started_ = by_parts_ = false;

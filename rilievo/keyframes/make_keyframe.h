@@ -46,6 +46,11 @@ struct KeyframeRequest {
   std::span<const std::uint32_t> left_out = {};
 };
 
+// Do its texels have quarters? Those of so many samples have, but for whole ones.
+[[nodiscard]] inline bool makes_quarters(int samples, bool whole_texels) {
+  return samples == 16 || (samples == 4 && !whole_texels);
+}
+
 // Some rows of a picture as it was captured, from `first` on, with a column more on either side.
 struct KeyframeBand {
   int width = 0, first = 0, rows = 0;

@@ -60,8 +60,9 @@ inline constexpr int kAuditionLosses = 16, kMostAuditions = 4;
 [[nodiscard]] std::optional<double> audition_loss(const ShownFrame& shown, const Rgba8Image& color,
                                                   FrameLoss& loss);
 
-// Draws the frame before the one that is shown, for what touches memory for the first time. It is
-// not the same one: keyframes would take the eye to stand. Fails as draw() does.
+// Draws the frame before the one that is shown, so that the one that is timed is not the first to
+// touch the memory. Were it the same one, keyframes would take the eye to stand. Fails as draw()
+// does.
 [[nodiscard]] Result<> begin_audition(const ShownFrame& shown, FrameSource& frames);
 // Draws the frame that is shown, on this thread alone, and says what that takes. Fails as draw()
 // does.

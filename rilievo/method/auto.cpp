@@ -222,12 +222,15 @@ Result<std::optional<double>> AutoFrames::look_at_levels(const Camera& camera, d
   return pieces_->db();
 }
 
+// Does a frame of this camera have the size of the last one?
+bool AutoFrames::as_large_as_shown(const Camera& camera) const {
+  return shown_camera_.width == camera.width && shown_camera_.height == camera.height;
+}
+
 // What another method showed in the last frame fades out.
 void AutoFrames::fade(const Camera& camera) {
   const SoftwareTarget* now = active_->software_target();
-  const bool same_size =
-      shown_camera_.width == camera.width && shown_camera_.height == camera.height;
-  if (!now || only_direct_ || eye_.jumped() || !same_size) fade_.end();
+  if (!now || only_direct_ || eye_.jumped() || !as_large_as_shown(camera)) fade_.end();
   shown_ = now, shown_camera_ = camera;
   if (!fade_.goes_on()) return;
   fade_.mix(*now, camera);

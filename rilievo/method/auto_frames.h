@@ -112,6 +112,7 @@ class AutoFrames final : public FrameSource {
   [[nodiscard]] bool keep_keyframes(const Camera& camera, double time, const AutoChoice& choice);
   [[nodiscard]] Result<std::optional<double>> look_at_levels(const Camera& camera, double time);
   void prepare(int method, int goes_on = 0);
+  [[nodiscard]] bool as_large_as_shown(const Camera& camera) const;
   void fade(const Camera& camera);
   void show(const Camera& camera, double time, int drawn_by);
   void look_at_prepared();

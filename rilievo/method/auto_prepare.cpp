@@ -77,9 +77,7 @@ void AutoFrames::show(const Camera& camera, double time, int drawn_by) {
   ShownFrame& shown = made_.shown;
   shown.color = target->color();
   shown.camera = camera, shown.time = time, shown.by_cache = drawn_by == kCache;
-  const bool same_size =
-      shown_camera_.width == camera.width && shown_camera_.height == camera.height;
-  shown.before = same_size ? shown_camera_ : camera;
+  shown.before = as_large_as_shown(camera) ? shown_camera_ : camera;
   backend_.placed().cull(camera, shown.in_view);
   look_at_prepared();
 }

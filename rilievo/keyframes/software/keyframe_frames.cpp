@@ -29,6 +29,8 @@
 namespace rilievo {
 namespace {
 
+static_assert(Keyframe::kMostRows == SampleRaster::kMaxSize);
+
 DepthImage picture_of(const Keyframe& key, std::string name) {
   DepthImage picture;
   picture.name = std::move(name);

@@ -80,7 +80,7 @@ class KeyframeFrames final : public FrameSource {
   // Beside a frame that something else draws: makes a part of a keyframe. `anew`: this is the first
   // such frame for some time, and keyframes from before are forgotten. Fails where a capture does.
   Result<> prepare(const Camera& camera, double time, bool anew);
-  // Beside one in which nothing is made: only where the eye goes is learned.
+  // Beside such a frame, too, but makes nothing: it only learns how the eye moves.
   void follow(const Camera& camera, double time);
   // Forgets all keyframes, and makes one for this frame at once. Fails where a capture does.
   Result<> prepare_first(const Camera& camera, double time);

@@ -8,6 +8,7 @@
 #include "rilievo/core/expects.h"
 #include "rilievo/core/parallel_for.h"
 #include "rilievo/keyframes/software/hole_points.h"
+#include "rilievo/render/software/block_place.h"
 
 namespace rilievo {
 namespace {
@@ -173,11 +174,9 @@ void KeyframeTiles::place_objects(const Image<std::uint32_t>& shown,
 }
 
 void KeyframeTiles::State::copy_block(FrameTile& tile, int block) const {
-  const int x = tile.x + block % FrameTile::kBlocks * kBlockSize,
-            y = tile.y + block / FrameTile::kBlocks * kBlockSize;
-  if (x >= tile.width || y >= tile.height) return;
-  const int columns = std::min(kBlockSize, tile.width - x),
-            rows = std::min(kBlockSize, tile.height - y);
+  const BlockPlace place(tile, block);
+  if (!place.within()) return;
+  const auto [x, y, columns, rows] = place;
   const Image<std::uint32_t>& shows = shown ? *shown : warped->color;
   FrameTile::Plane& plane = tile.first[block];
   // Most blocks are surface: nothing has to be looked for behind it.
@@ -315,11 +314,9 @@ void KeyframeTiles::State::draw_sky(FrameTile& tile) const {
 }
 
 void KeyframeTiles::State::copy_sky(FrameTile& tile, int block) const {
-  const int x = tile.x + block % FrameTile::kBlocks * kBlockSize,
-            y = tile.y + block / FrameTile::kBlocks * kBlockSize;
-  if (x >= tile.width || y >= tile.height) return;
-  const int columns = std::min(kBlockSize, tile.width - x),
-            rows = std::min(kBlockSize, tile.height - y);
+  const BlockPlace place(tile, block);
+  if (!place.within()) return;
+  const auto [x, y, columns, rows] = place;
   const int planes = tile.planes(block);
   for (int row = 0; row < rows; ++row) {
     const float* depths = warped->inverse_z.row(y + row).data() + x;

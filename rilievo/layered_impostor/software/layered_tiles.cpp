@@ -450,9 +450,9 @@ void LayeredTiles::draw_tile(FrameTile& tile) const {
     centers.asked = centers.shown = {};
     for (int block = 0; block < FrameTile::kBlockCount; ++block)
       look_at_centers(placed, tile, block, centers);
-    if (tile.samples == 4) look_beside(placed, tile, centers);
     pixels.clear();
     if (tile.samples == 4) {
+      look_beside(placed, tile, centers);
       const TileBits along = silhouette_pixels(centers.asked, centers.shown);
       for (int y = 0; y < FrameTile::kSize; ++y)
         for (std::uint64_t row = along.row[std::size_t(y)]; row; row &= row - 1) {

@@ -14,6 +14,7 @@
 #include "rilievo/core/parallel_for.h"
 #include "rilievo/render/raster/frame_raster.h"
 #include "rilievo/render/raster/polygon_blocks.h"
+#include "rilievo/render/software/block_place.h"
 
 namespace rilievo {
 
@@ -23,17 +24,6 @@ constexpr int kBlock = FrameTile::kBlock;
 // Of so many objects, at most, it is found where in the frame they lie.
 constexpr std::size_t kFewObjects = 64;
 constexpr std::uint32_t kNotYetShaded = 0xff000000u;
-
-// The upper left pixel of a block, in the frame; it may lie beyond.
-struct BlockPlace {
-  int x, y;
-  BlockPlace(const FrameTile& tile, int block)
-      : x(tile.x + block % FrameTile::kBlocks * kBlock),
-        y(tile.y + block / FrameTile::kBlocks * kBlock) {}
-  [[nodiscard]] bool within(const FrameTile& tile) const {
-    return x < tile.width && y < tile.height;
-  }
-};
 
 // A rectangle of the frame's pixels: columns [left, right), rows [top, bottom).
 struct PixelRect {
@@ -241,11 +231,9 @@ std::span<const ObjectWork> PolygonTiles::work() {
 
 void PolygonTiles::State::draw_identifiers(FrameTile& tile, int block,
                                            const BlockPlace& place) const {
-  const int columns = std::min(kBlock, tile.width - place.x),
-            rows = std::min(kBlock, tile.height - place.y);
   FrameTile::Plane& plane = tile.plane(block, 0);
-  for (int row = 0; row < rows; ++row)
-    for (int column = 0; column < columns; ++column) {
+  for (int row = 0; row < place.rows; ++row)
+    for (int column = 0; column < place.columns; ++column) {
       const std::size_t from =
           std::size_t(tile.height - 1 - place.y - row) * std::size_t(tile.width) +
           std::size_t(place.x + column);
@@ -265,7 +253,7 @@ void PolygonTiles::draw_tile(FrameTile& tile) const {
   RILIEVO_EXPECTS(in.width == tile.width && in.height == tile.height && in.samples == tile.samples);
   for (int block = 0; block < FrameTile::kBlockCount; ++block) {
     const BlockPlace place(tile, block);
-    if (!place.within(tile) || !s.reach.meets(place)) continue;
+    if (!place.within() || !s.reach.meets(place)) continue;
     const BlockSamples samples(in, place.x, place.y);
     const BlockCoverage coverage = find_coverage(samples);
     s.covered_at(place) = coverage.any;
@@ -286,10 +274,9 @@ void PolygonTiles::State::shade_tile(FrameTile& tile) const {
   SeenTriangles& seen = threads.local();
   for (int block = 0; block < FrameTile::kBlockCount; ++block) {
     const BlockPlace place(tile, block);
-    if (!place.within(tile) || !covered_at(place)) continue;
+    if (!place.within() || !covered_at(place)) continue;
     const BlockSamples samples(in, place.x, place.y);
-    const int rows = std::min(kBlock, tile.height - place.y);
-    for (int row = 0; row < rows; ++row)
+    for (int row = 0; row < place.rows; ++row)
       add_row(find_visible(samples, tile_depth, tile, block, row), samples.triangles[row],
               in.samples, place.x, tile.height - 1 - place.y - row, view->scene.meshes, seen);
   }
