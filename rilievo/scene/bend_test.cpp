@@ -39,8 +39,8 @@ struct Numbers {
 
 // A chain of joints that turn, move and grow, a mesh on it whose two targets come and go, and a
 // mesh with targets alone on a node that moves. `normals`: does the file have any? `longer`: than a
-// second and a half, by this factor.
-std::string bent_file(unsigned seed, bool normals, float longer = 1) {
+// second and a half, by this factor; 0: all keys are at 0, and nothing moves.
+std::string bent_file(unsigned seed, bool normals, float longer = 1, bool animated = true) {
   Numbers any{std::mt19937(seed)};
   const std::size_t vertices = 30, joints = 2 + seed % 3, keys = 3;
   GltfBuilder b;
@@ -103,7 +103,7 @@ std::string bent_file(unsigned seed, bool normals, float longer = 1) {
   for (const int node : {skinned, plain})
     animate(node, "weights", "SCALAR", 2, node == plain, [&] { return any.several(2, 0, 1); });
   animate(plain, "translation", "VEC3", 3, false, [&] { return any.several(3, 2, 4); });
-  b.json["animations"] = {{{"samplers", samplers}, {"channels", channels}}};
+  if (animated) b.json["animations"] = {{{"samplers", samplers}, {"channels", channels}}};
   return b.glb();
 }
 
@@ -229,6 +229,21 @@ TEST(Bend, keys_may_be_far_apart) {
   EXPECT_FALSE(ages->warnings.empty());
   for (const DeformationBounds& of : deformation_bounds(ages->scene, ages->deformations))
     EXPECT_EQ(of.speed, 0);
+}
+
+// Methods that cannot bend draw them, as they draw any still object.
+TEST(Bend, skins_that_no_animation_moves_are_still_objects_in_their_pose) {
+  const std::string files[] = {bent_file(2, true, 1, false), bent_file(2, true, 0)};
+  for (const std::string& file : files) {
+    const Result<LoadedScene> kept = load_bent(file, 0.4, true);
+    const Result<LoadedScene> posed = load_bent(file, 0.9, false);
+    ASSERT_TRUE(kept.ok() && posed.ok());
+    EXPECT_TRUE(kept->deformations.meshes.empty());
+    EXPECT_TRUE(kept->deformations.rig.nodes.empty());
+    ASSERT_EQ(kept->scene.meshes.size(), posed->scene.meshes.size());
+    for (std::size_t m = 0; m < posed->scene.meshes.size(); ++m)
+      EXPECT_EQ(kept->scene.meshes[m].positions, posed->scene.meshes[m].positions);
+  }
 }
 
 TEST(Bend, what_has_no_deformations_stays_as_it_is) {

@@ -1,5 +1,6 @@
 #include "rilievo/scene/gltf/read.h"
 
+#include <algorithm>
 #include <array>
 #include <map>
 #include <tuple>
@@ -56,6 +57,7 @@ class Reader {
   };
   std::vector<SkinJoint> joints_of(int skin);
   [[nodiscard]] const WeightTrack* track_of(int node) const;
+  [[nodiscard]] bool bends_by_time(int node, int skin);
   void bend_by_time(const WeightTrack* track, int skin, Deformation& deformation);
   int rig_node_of(int node);
   std::vector<glm::dmat4> instances_of(const JsonValue& instancing);
@@ -226,6 +228,17 @@ int Reader::rig_node_of(int node) {
   return rig_nodes_[std::size_t(node)];
 }
 
+// Does the animation move the mesh's weights, or a joint of the skin? Where it does not, the mesh
+// is a still object in its pose, which every method draws.
+bool Reader::bends_by_time(int node, int skin) {
+  if (!(animation_.duration > 0)) return false;
+  if (track_of(node)) return true;
+  if (skin < 0) return false;
+  return std::ranges::any_of(joints_of(skin), [&](const SkinJoint& joint) {
+    return bool(posed_.animated[std::size_t(joint.node)]);
+  });
+}
+
 // The parts of a deformation that a primitive does not have.
 void Reader::bend_by_time(const WeightTrack* track, int skin, Deformation& deformation) {
   context_.deformations->rig.duration = std::max(animation_.duration, 0.0f);
@@ -263,8 +276,8 @@ Pose Reader::pose_of(int node, int mesh, int skin) {
 constexpr float kLongestBending = 86'400;  // seconds
 
 int Reader::model_of(int node, int mesh, int skin, const Pose& pose) {
-  const WeightTrack* track = context_.deformations ? track_of(node) : nullptr;
-  bool bends = context_.deformations && (track || skin >= 0);
+  bool bends = context_.deformations && bends_by_time(node, skin);
+  const WeightTrack* track = bends ? track_of(node) : nullptr;
   if (bends && animation_.duration > kLongestBending) {
     context_.warn("has an animation of more than a day, whose meshes do not bend by time");
     bends = false;
