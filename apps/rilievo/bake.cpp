@@ -97,7 +97,7 @@ Result<Baked> bake(const BakeCommand& options, const Kind& kind, const OptionVal
   const Clock::time_point start = Clock::now();
   int total = 0;
   // Slow sources set their own samples.
-  const int samples = is_slow(options.source.source) ? 0 : options.source.samples;
+  const int samples = is_slow_source(options.source.source) ? 0 : options.source.samples;
   WatchedSource watched(source, samples, [&](int done) -> Result<> {
     if (total > 0) progress.show(done, total, found ? found() : 0);
     return Done{};
@@ -370,7 +370,7 @@ Result<> run_bake(const BakeCommand& options) {
   if (Result<> good = expect_options_of(kind, options.kinds); !good) return good;
   const Result<OptionValues> values = bake_values(kind, options.kinds);
   if (!values) return values.error();
-  const bool slow = is_slow(options.source.source);
+  const bool slow = is_slow_source(options.source.source);
   const std::string store =
       !slow || !options.store.empty() ? options.store : options.output + ".pictures";
   if (Result<> good = expect_outputs({options.output, options.json, store}); !good) return good;

@@ -93,7 +93,7 @@ void add_source_options(CLI::App& command, BakeCommand& options) {
 
 Result<BakeStep> step_of(const BakeCommand& command) {
   const bool piece = command.piece.has_value();
-  const bool slow = is_slow(command.source.source);
+  const bool slow = is_slow_source(command.source.source);
   if (piece && command.join) return Error{"--piece", "excludes --join"};
   if (piece || command.join) {
     const std::string option = piece ? "--piece" : "--join";

@@ -109,16 +109,6 @@ BakeSource::BakeSource(BakeSource&&) noexcept = default;
 BakeSource& BakeSource::operator=(BakeSource&&) noexcept = default;
 BakeSource::~BakeSource() = default;
 
-bool is_slow(const std::string& source) { return source == "raytrace" || runs_program(source); }
-
-Result<> check_source(std::string_view text) {
-  for (const std::string_view known : {"raster", "rays", "raytrace"})
-    if (text == known) return Done{};
-  if (runs_program(text)) return Done{};
-  return Error{"source '" + std::string(text) + "'",
-               "is unknown; there are raster, rays, raytrace and exec:PROGRAM"};
-}
-
 // The ray tracer, or another program.
 Result<> BakeSource::open_slow(State& state, const std::string& scene, const FileLimits& limits,
                                const SourceOptions& options) {
@@ -235,7 +225,7 @@ Result<BakeSource> BakeSource::open(const std::string& scene, const FileLimits& 
   Result<std::vector<std::uint32_t>> chosen = chosen_objects(own, options);
   if (!chosen) return chosen.error();
   state->objects = *std::move(chosen);
-  if (is_slow(options.source)) {
+  if (is_slow_source(options.source)) {
     if (Result<> made = open_slow(*state, scene, limits, options); !made) return made.error();
     return BakeSource(std::move(state));
   }

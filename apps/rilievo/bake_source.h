@@ -34,11 +34,6 @@ struct SourceOptions {
   std::function<void(const std::string&)> warn = {};
 };
 
-// Does the source shade for so long that its pictures are worth keeping?
-[[nodiscard]] bool is_slow(const std::string& source);
-// raster, rays, raytrace or exec:PROGRAM.
-[[nodiscard]] Result<> check_source(std::string_view text);
-
 // A source, and what it needs to live.
 class BakeSource {
  public:

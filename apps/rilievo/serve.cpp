@@ -21,6 +21,7 @@
 #include "apps/rilievo/command.h"
 #include "apps/rilievo/output.h"
 #include "apps/rilievo/progress.h"
+#include "rilievo/capture/shaders/software_shader.h"
 #include "rilievo/core/camera_path.h"
 #include "rilievo/core/stopwatch.h"
 #include "rilievo/scene/scene.h"
@@ -187,7 +188,7 @@ std::string page_address(const LiveServer& server, const ServeCommand& options) 
 
 Result<> run_serve(ServeCommand options) {
   if (Result<> good = check_source(options.source.source); !good) return good;
-  if (options.source.samples > 0 && !is_slow(options.source.source))
+  if (options.source.samples > 0 && !is_slow_source(options.source.source))
     return Error{"--samples", "is for --source raytrace and exec:PROGRAM"};
   if (Result<> good = check_access(options); !good) return good;
   options.server.name = options.scene.starts_with("builtin:")

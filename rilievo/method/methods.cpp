@@ -88,14 +88,9 @@ Result<Method> make_keyframes(const MethodOptions& options, Backend& backend) {
   keyframes.keyframes.samples = options.keyframe_samples;
   keyframes.keyframes.keyframe_ms = options.keyframe_ms;
   KeyframeFrames::MakeSource make;
-  if (options.source != "raster" && options.source != "rays") {
-    if (options.source != "raytrace" && !options.source.starts_with("exec:"))
-      return Error{"--source",
-                   "keyframes show the scene as raster, rays, raytrace or exec:PROGRAM "
-                   "do, not as " +
-                       options.source};
-    if (Result<> known = check_shader(options.source); !known)
-      return Error{"--source", known.error().reason};
+  if (Result<> known = check_source(options.source); !known)
+    return Error{"--source", known.error().message()};
+  if (is_slow_source(options.source)) {
     // It takes long, and draws no sky. Frames wait for it where time does not count.
     keyframes.keyframes.beside = options.by_clock;
     keyframes.keyframes.whole_texels = true;

@@ -288,6 +288,15 @@ TEST(LineProcess, a_program_gives_way_as_far_as_it_is_told) {
   EXPECT_EQ(nice_of(7), std::min(19, own + 7));
 }
 
+TEST(SoftwareShader, sources_have_names) {
+  for (const char* text : {"raster", "rays", "raytrace", "exec:/bin/cat"})
+    EXPECT_TRUE(check_source(text).ok()) << text;
+  for (const char* text : {"", "sdf:torus", "exec:", "rays2"})
+    EXPECT_FALSE(check_source(text).ok()) << text;
+  for (const char* text : {"raytrace", "exec:/bin/cat"}) EXPECT_TRUE(is_slow_source(text)) << text;
+  for (const char* text : {"raster", "rays", "exec:"}) EXPECT_FALSE(is_slow_source(text)) << text;
+}
+
 TEST_F(ExecSourceTest, its_pictures_are_kept_until_it_or_a_file_that_it_is_given_changes) {
   const std::string path = std::getenv("PATH");
   ::setenv("PATH", ("/nowhere:" + folder_.path().string() + ':' + path).c_str(), 1);

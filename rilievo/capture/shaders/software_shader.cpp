@@ -8,7 +8,7 @@
 namespace rilievo {
 namespace {
 
-constexpr std::string_view kField = "sdf:", kProgram = "exec:";
+constexpr std::string_view kField = "sdf:", kProgram = "exec:", kTracer = "raytrace";
 
 Error unknown_shader(std::string_view text) {
   std::string names;
@@ -23,9 +23,19 @@ std::string_view program_named(std::string_view text) {
   return text.starts_with(kProgram) ? text.substr(kProgram.size()) : std::string_view();
 }
 
+bool is_slow_source(std::string_view text) {
+  return text == kTracer || !program_named(text).empty();
+}
+
+Result<> check_source(std::string_view text) {
+  if (text == "raster" || text == "rays" || is_slow_source(text)) return Done{};
+  return Error{"source '" + std::string(text) + "'",
+               "is unknown; there are raster, rays, raytrace and exec:PROGRAM"};
+}
+
 Result<> check_shader(std::string_view text) {
   const bool known =
-      text == "raytrace" ||
+      text == kTracer ||
       (text.starts_with(kField) && find_distance_field(text.substr(kField.size()))) ||
       !program_named(text).empty();
   if (!known) return unknown_shader(text);

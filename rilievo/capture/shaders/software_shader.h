@@ -27,6 +27,11 @@ struct ShaderInput {
 // The program of exec:PROGRAM; empty: the text names none.
 [[nodiscard]] std::string_view program_named(std::string_view text);
 
+// Who shows a scene: raster, rays, raytrace or exec:PROGRAM. Fails for other texts.
+[[nodiscard]] Result<> check_source(std::string_view text);
+// Does such a source take long for a picture? The last two do.
+[[nodiscard]] bool is_slow_source(std::string_view text);
+
 // Does the text name a shader, as far as that can be said before it is made?
 [[nodiscard]] Result<> check_shader(std::string_view text);
 
