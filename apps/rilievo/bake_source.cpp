@@ -13,6 +13,7 @@
 #include "apps/rilievo/capture.h"
 #include "apps/rilievo/frame_options.h"
 #include "apps/rilievo/output.h"
+#include "apps/rilievo/progress.h"
 #include "rilievo/capture/gl/opengl_source.h"
 #include "rilievo/capture/late_source.h"
 #include "rilievo/capture/raster_ray_source.h"
@@ -141,7 +142,14 @@ Result<> BakeSource::open_slow(State& state, const std::string& scene, const Fil
     ExecOptions exec;
     exec.world = own.world;
     exec.unmix = !ours;
+    // Nobody waits beside a bake, whose machines may be cold and whose scenes are a film's.
     exec.limit_s = 24 * 3600;
+    exec.start_limit_s = 3600;
+    // A bake shows by itself which picture it waits for.
+    if (const auto waits = waiting_for(options.source))
+      exec.waits = [waits](std::string_view what, int seconds) {
+        if (what == "bounds") waits(what, seconds);
+      };
     exec.noise = options.noise;
     for (const Object& object : own.objects) exec.object_names.push_back(object.name);
     exec.warn = [](const std::string& text) { complain("warning: " + text); };

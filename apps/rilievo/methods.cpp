@@ -34,6 +34,7 @@ Result<Method> with_reports(const MethodOptions& options, const Make& make) {
   rilievo::MethodOptions with = options;
   with.progress = [&](int done, int total) { progress.show(done, total); };
   with.warn = [](const std::string& text) { complain("warning: " + text); };
+  with.waits = waiting_for(options.source);
   with.note = [&](const std::string& text) {
     progress.clear();
     complain(text);

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "apps/rilievo/output.h"
+#include "apps/rilievo/printable.h"
 
 namespace rilievo::app {
 namespace {
@@ -55,6 +56,16 @@ void Progress::show(int done, int total, int quick) {
       left && *left >= kWorthSaying_s ? ", " + duration_text(*left) + " left" : "";
   std::fputs(fmt::format("\r{} {}/{}{}\033[K", what_, done, total, rest).c_str(), stderr);
   std::fflush(stderr);
+}
+
+std::function<void(std::string_view, int)> waiting_for(const std::string& program) {
+  if (isatty(STDERR_FILENO) != 1) return {};
+  return [name = printable(program)](std::string_view what, int seconds) {
+    const std::string line =
+        seconds > 0 ? fmt::format("{}: waiting for its {}, {} s", name, what, seconds) : "";
+    std::fputs(("\r" + line + "\033[K").c_str(), stderr);
+    std::fflush(stderr);
+  };
 }
 
 void show_written(const std::string& file, const std::string& what, double seconds, bool json) {

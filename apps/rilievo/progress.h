@@ -3,8 +3,10 @@
 #pragma once
 
 #include <chrono>
+#include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 
 namespace rilievo::app {
 
@@ -33,6 +35,10 @@ class Progress {
   std::optional<Clock::time_point> start_;
   int done_at_start_ = 0;
 };
+
+// Shows in such a line, on a terminal, that a program is waited for; null elsewhere.
+[[nodiscard]] std::function<void(std::string_view what, int seconds)> waiting_for(
+    const std::string& program);
 
 // That a file was written before the end: a line on a terminal, or of JSON.
 void show_written(const std::string& file, const std::string& what, double seconds, bool json);

@@ -2,6 +2,7 @@
 
 #include <csignal>
 
+#include "rilievo/core/started_programs.h"
 #include "rilievo/core/unfinished_files.h"
 
 namespace rilievo::app {
@@ -11,6 +12,7 @@ constexpr int kEndingSignals[] = {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGPIPE, SIG
 
 // Calls only what is safe in a signal handler.
 void end_by(int signal) {
+  kill_started_programs();
   remove_unfinished_files();
   std::signal(signal, SIG_DFL);
   // Blocked while it is handled, it comes when this returns.

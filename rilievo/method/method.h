@@ -23,6 +23,7 @@
 
 #include "rilievo/cache/plan/policy.h"
 #include "rilievo/cache/prices/machine_costs.h"
+#include "rilievo/capture/shaders/exec_source.h"
 #include "rilievo/frame/backend.h"
 #include "rilievo/representation/kind_methods.h"
 
@@ -79,6 +80,7 @@ struct MethodOptions {
   Progress progress = {};                             // of what is baked before the first frame
   std::function<void(const std::string&)> warn = {};  // of programs and stores; a line each
   std::function<void(const std::string&)> note = {};  // of what was baked; a line each
+  ExecWaits waits = {};                               // of keyframes' exec:PROGRAM
 };
 
 // A method, made.

@@ -99,6 +99,8 @@ Result<Method> make_keyframes(const MethodOptions& options, Backend& backend) {
       ShaderInput input;
       input.rays = &rays;
       input.exec.world = rays.scene().world;
+      input.exec.warn = options.warn;
+      input.exec.waits = options.waits;
       return make_shader(options.source, input);
     };
   }

@@ -12,6 +12,7 @@ import shutil
 import signal
 import subprocess
 import sys
+import time
 import unittest
 
 import command
@@ -80,6 +81,20 @@ for line in sys.stdin:
 """
 
 
+def ends(number, within_s=60):
+    """Does the process end? One that nobody waits for may stay as a zombie."""
+    until = time.monotonic() + within_s
+    while time.monotonic() < until:
+        try:
+            state = pathlib.Path(f"/proc/{number}/stat").read_text().rsplit(")", 1)[1].split()[0]
+        except OSError:
+            return True
+        if state in "ZX":
+            return True
+        time.sleep(0.02)
+    return False
+
+
 class Case(command.Case):
     def setUp(self):
         super().setUp()
@@ -134,6 +149,33 @@ class Sources(Case):
         # Each frame shows what its source does.
         first = sorted(made["raytrace"])[0]
         self.assertEqual(len({made[source][first] for source in ("rays", "raytrace", self.exec)}), 3)
+
+    def test_a_silent_program_is_said_to_be_waited_for_and_dies_with_us(self):
+        # With a child of its own, which a signal reaches only through their group.
+        program = self.write("silent", f"#!/bin/sh\nsleep 1000 &\necho $$ $! > {self.log}; wait\n")
+        program.chmod(0o755)
+        for end in (signal.SIGTERM, signal.SIGINT, signal.SIGKILL):
+            with self.subTest(end=end):
+                ours, theirs = os.openpty()
+                self.log.unlink(missing_ok=True)
+                running = subprocess.Popen(
+                    [command.program, "render", STONES, "--method", "keyframes", "--source", f"exec:{program}",
+                     "--draw", "software", "-o", str(self.folder / "frames")],
+                    stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=theirs)
+                os.close(theirs)
+                said = b""
+                while b"waiting for its bounds, 1 s" not in said:
+                    said += os.read(ours, 4096)
+                self.assertIn(f"exec:{program}".encode(), said)
+                running.send_signal(end)
+                self.assertEqual(running.wait(command.TIMEOUT_S), -end)
+                os.close(ours)
+                # SIGKILL lets nobody tidy up: the kernel kills the program, not what it has started.
+                started = [int(number) for number in self.log.read_text().split()]
+                for number in started[:1 if end == signal.SIGKILL else 2]:
+                    self.assertTrue(ends(number), f"{number} is left after {end!r}")
+                if end == signal.SIGKILL:
+                    os.kill(started[1], signal.SIGKILL)
 
     def test_frames_by_the_clock_do_not_wait_for_slow_sources(self):
         made = []

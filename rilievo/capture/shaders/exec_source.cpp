@@ -1,6 +1,9 @@
 #include "rilievo/capture/shaders/exec_source.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -107,6 +110,22 @@ Result<> read_render(const std::filesystem::path& path, const Camera& camera, De
   return Done{};
 }
 
+// Waits for a line, and says so each second.
+LineProcess::Heard hear(LineProcess& process, std::string_view what, double limit_s,
+                        const ExecWaits& waits, const std::stop_token& stop, std::string& line) {
+  using Clock = LineProcess::Clock;
+  const Clock::time_point begin = Clock::now();
+  const auto limit =
+      std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(limit_s));
+  for (int seconds = 1;; ++seconds) {
+    const Clock::duration next = std::min<Clock::duration>(limit, std::chrono::seconds(seconds));
+    const LineProcess::Heard heard = process.receive(line, begin + next, stop);
+    const bool over = heard != LineProcess::Heard::late || next == limit;
+    if (waits && (!over || seconds > 1)) waits(what, over ? 0 : seconds);
+    if (over) return heard;
+  }
+}
+
 }  // namespace
 
 std::string camera_json(const Camera& camera) { return json_of_camera(camera).dump(); }
@@ -138,32 +157,34 @@ Error ExecSource::failed(const std::string& reason) {
 Result<> ExecSource::hear_stale(const std::stop_token& stop, bool& died) {
   if (stale_id_ == 0) return Done{};
   const std::uint64_t id = std::exchange(stale_id_, 0);
-  const Result<std::string> heard = ask_once("", id, stop, died);
+  const Result<std::string> heard = ask_once({.text = "", .id = id}, stop, died);
   std::error_code ignored;
   if (heard) std::filesystem::remove(file_of(id), ignored);
   return heard ? Result<>(Done{}) : Result<>(heard.error());
 }
 
-// The answer to a request that has been sent, or is sent here unless it is empty.
-Result<std::string> ExecSource::ask_once(const std::string& request, std::uint64_t id,
-                                         const std::stop_token& stop, bool& died) {
+double ExecSource::limit_of(const Request& request) const {
+  return request.what == "bounds" ? options_.start_limit_s : options_.limit_s;
+}
+
+// The answer to a request that has been sent, or is sent here.
+Result<std::string> ExecSource::ask_once(const Request& request, const std::stop_token& stop,
+                                         bool& died) {
   died = false;
-  if (!request.empty() && !process_->send(request)) {
+  if (!request.text.empty() && !process_->send(request.text)) {
     died = true;
     return failed("has ended, or does not read its input");
   }
   std::string line;
-  const auto until =
-      LineProcess::Clock::now() + std::chrono::duration_cast<LineProcess::Clock::duration>(
-                                      std::chrono::duration<double>(options_.limit_s));
-  switch (process_->receive(line, until, stop)) {
+  switch (hear(*process_, request.what, limit_of(request), options_.waits, stop, line)) {
     case LineProcess::Heard::line:
       break;
     case LineProcess::Heard::stopped:
-      stale_id_ = id;
+      stale_id_ = request.id;
       return Error{name_, std::string(kCaptureStopped)};
     case LineProcess::Heard::late:
-      return failed("has not answered within its time limit");
+      return failed(fmt::format("has not answered within {:g} s, asked for {}", limit_of(request),
+                                request.what == "bounds" ? "its scene's bounds" : "a picture"));
     case LineProcess::Heard::ended:
       died = true;
       return failed("has ended without an answer");
@@ -172,13 +193,12 @@ Result<std::string> ExecSource::ask_once(const std::string& request, std::uint64
   }
   const ExecJson answer = ExecJson::parse(line, nullptr, false);
   if (!answer.is_object() || !answer.contains("id") || !answer["id"].is_number_integer() ||
-      answer["id"] != id)
+      answer["id"] != request.id)
     return failed("answers with something else than JSON for the request: " + quoted(line));
   return line;
 }
 
-Result<std::string> ExecSource::ask(const std::string& request, std::uint64_t id,
-                                    const std::stop_token& stop) {
+Result<std::string> ExecSource::ask(const Request& request, const std::stop_token& stop) {
   // What has died meanwhile is started again, once for each request.
   for (int attempt = 0;; ++attempt) {
     if (failures_ >= options_.max_failures)
@@ -192,7 +212,7 @@ Result<std::string> ExecSource::ask(const std::string& request, std::uint64_t id
     bool died = false;
     Result<> stale = hear_stale(stop, died);
     if (stale) {
-      Result<std::string> answer = ask_once(request, id, stop, died);
+      Result<std::string> answer = ask_once(request, stop, died);
       if (answer || !died || attempt > 0) return answer;
     } else if (!died || attempt > 0) {
       return stale.error();
@@ -210,7 +230,7 @@ Result<std::unique_ptr<ExecSource>> ExecSource::create(const std::string& progra
   const auto warn = std::exchange(source->options_.warn, {});
   const std::uint64_t id = ++source->last_id_;
   const ExecJson request{{"rilievo", 1}, {"id", id}, {"request", "bounds"}};
-  const Result<std::string> answer = source->ask(request.dump(), id, {});
+  const Result<std::string> answer = source->ask({request.dump(), id, "bounds"}, {});
   if (!answer) return answer.error();
   const Result<Box> box =
       box_of(ExecJson::parse(*answer, nullptr, false), source->options_.world.origin);
@@ -240,7 +260,7 @@ Result<> ExecSource::render(const CaptureRequest& request, const Camera& camera,
     json["objects"].push_back(options_.object_names.at(object));
   if (options_.noise > 0) json["noise"] = options_.noise;
   const std::stop_token stop = request.control ? request.control->stop : std::stop_token();
-  const Result<std::string> line = ask(json.dump(), id, stop);
+  const Result<std::string> line = ask({.text = json.dump(), .id = id}, stop);
   std::error_code ignored;
   if (!line) return line.error();
   const ExecJson answer = ExecJson::parse(*line, nullptr, false);

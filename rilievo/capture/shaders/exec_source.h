@@ -20,6 +20,9 @@
 // numbers, column by column). Of a picture in tiles, each is a request of its own with a camera of
 // its own. At the end of its input the program should end.
 //
+// The bounds need the scene to be opened and nothing to be rendered: a program that does not answer
+// within `start_limit_s` is taken for one that does not know this protocol.
+//
 // A program that dies is started again; one that answers with rubbish or too late is killed first.
 // Answers to requests that were stopped are read and thrown away. Not safe for several threads at
 // once.
@@ -29,6 +32,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "rilievo/capture/capture_source.h"
@@ -38,10 +42,15 @@ namespace rilievo {
 
 class LineProcess;
 
+// Called about each second while a program is waited for, in the thread that asks: for "bounds" or
+// a "picture", and for how many seconds; 0: no longer.
+using ExecWaits = std::function<void(std::string_view what, int seconds)>;
+
 // How the program is run.
 struct ExecOptions {
   std::vector<std::string> arguments = {};  // of the program
-  double limit_s = 600;                     // for one answer
+  double limit_s = 600;                     // for a picture: path tracers take minutes
+  double start_limit_s = 300;               // for the bounds: large scenes take minutes to open
   int tile = 0;                             // texels a side of a tile; 0: whole pictures
   int nice = 0;                             // how far it gives way to the caller, 0 to 19
   int max_failures = 3;                     // in a row; then it is not started again
@@ -53,6 +62,7 @@ struct ExecOptions {
   bool unmix = true;  // take what is in front out of the colours beside edges (warp/unmix_edges.h)
   // Gets one line at the first failure, and one when the program is given up.
   std::function<void(const std::string&)> warn = {};
+  ExecWaits waits = {};
 };
 
 // The JSON of a camera, on one line.
@@ -78,10 +88,16 @@ class ExecSource final : public CaptureSource {
 
  private:
   ExecSource(const std::string& program, ExecOptions options);
-  [[nodiscard]] Result<std::string> ask(const std::string& request, std::uint64_t id,
-                                        const std::stop_token& stop);
-  [[nodiscard]] Result<std::string> ask_once(const std::string& request, std::uint64_t id,
-                                             const std::stop_token& stop, bool& died);
+  // A line that is sent; without text it has been sent before.
+  struct Request {
+    std::string text;
+    std::uint64_t id = 0;
+    std::string_view what = "picture";  // or "bounds"
+  };
+  [[nodiscard]] double limit_of(const Request& request) const;
+  [[nodiscard]] Result<std::string> ask(const Request& request, const std::stop_token& stop);
+  [[nodiscard]] Result<std::string> ask_once(const Request& request, const std::stop_token& stop,
+                                             bool& died);
   [[nodiscard]] Result<> hear_stale(const std::stop_token& stop, bool& died);
   [[nodiscard]] std::filesystem::path file_of(std::uint64_t id) const;
   [[nodiscard]] Error failed(const std::string& reason);

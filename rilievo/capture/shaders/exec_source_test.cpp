@@ -7,8 +7,11 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <string_view>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -186,10 +189,25 @@ TEST_F(ExecSourceTest, faulty_programs_give_one_warning_and_errors_until_they_ar
 }
 
 TEST_F(ExecSourceTest, a_program_that_never_answers_is_late_and_killed) {
-  options_.limit_s = 0.05;
+  options_.start_limit_s = 0.05;
   const auto source = start("never", 0);
   ASSERT_FALSE(source.ok());
-  EXPECT_EQ(source.error().reason, "has not answered within its time limit");
+  EXPECT_EQ(source.error().reason, "has not answered within 0.05 s, asked for its scene's bounds");
+  options_.start_limit_s = 60, options_.limit_s = 0.05;
+  const auto slow = start("never", 1);
+  ASSERT_TRUE(slow.ok()) << slow.error().message();
+  EXPECT_EQ((*slow)->capture({.camera = camera_}).error().reason,
+            "has not answered within 0.05 s, asked for a picture");
+}
+
+TEST_F(ExecSourceTest, it_says_each_second_what_it_waits_for_and_when_it_has_it) {
+  std::vector<std::pair<std::string, int>> waits;
+  options_.waits = [&](std::string_view what, int seconds) { waits.emplace_back(what, seconds); };
+  options_.start_limit_s = 2.1;
+  EXPECT_FALSE(start("never", 0).ok());
+  const std::vector<std::pair<std::string, int>> expected{
+      {"bounds", 1}, {"bounds", 2}, {"bounds", 0}};
+  EXPECT_EQ(waits, expected);
 }
 
 TEST_F(ExecSourceTest, what_a_program_cannot_do_it_says_without_being_restarted) {
@@ -295,6 +313,32 @@ TEST(SoftwareShader, sources_have_names) {
     EXPECT_FALSE(check_source(text).ok()) << text;
   for (const char* text : {"raytrace", "exec:/bin/cat"}) EXPECT_TRUE(is_slow_source(text)) << text;
   for (const char* text : {"raster", "rays", "exec:"}) EXPECT_FALSE(is_slow_source(text)) << text;
+}
+
+LineProcess::Heard hear_within_a_minute(LineProcess& process, std::string& line) {
+  return process.receive(line, LineProcess::Clock::now() + std::chrono::seconds(60), {});
+}
+
+// It dies with our process, and not with the thread that started it.
+TEST(LineProcess, a_program_outlives_the_thread_that_starts_it) {
+  const std::string arguments[] = {"-c", "read line; echo $line"};
+  std::unique_ptr<LineProcess> process;
+  std::thread([&] { process = *LineProcess::start("sh", arguments); }).join();
+  ASSERT_TRUE(process->send("still there"));
+  std::string line;
+  ASSERT_EQ(hear_within_a_minute(*process, line), LineProcess::Heard::line);
+  EXPECT_EQ(line, "still there");
+}
+
+TEST(LineProcess, programs_that_are_listed_are_killed_with_their_children) {
+  const std::string arguments[] = {"-c", "sleep 1000 & echo $!; wait"};
+  const auto process = LineProcess::start("sh", arguments);
+  ASSERT_TRUE(process.ok());
+  std::string line;
+  ASSERT_EQ(hear_within_a_minute(**process, line), LineProcess::Heard::line);
+  kill_started_programs();
+  // Once nobody has its output open.
+  EXPECT_EQ(hear_within_a_minute(**process, line), LineProcess::Heard::ended);
 }
 
 TEST_F(ExecSourceTest, its_pictures_are_kept_until_it_or_a_file_that_it_is_given_changes) {

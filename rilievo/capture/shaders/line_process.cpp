@@ -2,8 +2,9 @@
 
 #include <fcntl.h>
 #include <poll.h>
-#include <spawn.h>
+#include <pthread.h>
 #include <sys/eventfd.h>
+#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
@@ -12,41 +13,68 @@
 #include <cerrno>
 #include <csignal>
 #include <cstring>
+#include <future>
 #include <vector>
-
-extern char** environ;
 
 namespace rilievo {
 namespace {
 
 constexpr std::size_t kMaxLineBytes = 1 << 20;
 
-// What is to be done in the child, and with which signals it begins.
-struct SpawnPlan {
-  posix_spawn_file_actions_t actions;
-  posix_spawnattr_t attributes;
+// Handlers of ours must not run in a child that still is a copy of us.
+void forget_signals() {
+  for (int signal = 1; signal < NSIG; ++signal) {
+    struct sigaction action {};
+    if (::sigaction(signal, nullptr, &action) != 0) continue;
+    if (action.sa_handler != SIG_IGN || signal == SIGPIPE) ::signal(signal, SIG_DFL);
+  }
+  sigset_t none;
+  sigemptyset(&none);
+  ::sigprocmask(SIG_SETMASK, &none, nullptr);
+}
 
-  SpawnPlan(int in, int out) {
-    posix_spawn_file_actions_init(&actions);
-    posix_spawn_file_actions_adddup2(&actions, in, 0);
-    posix_spawn_file_actions_adddup2(&actions, out, 1);
-    posix_spawnattr_init(&attributes);
-    sigset_t signals;
-    sigemptyset(&signals);
-    posix_spawnattr_setsigmask(&attributes, &signals);
-    sigaddset(&signals, SIGPIPE);
-    posix_spawnattr_setsigdefault(&attributes, &signals);
-    posix_spawnattr_setpgroup(&attributes, 0);
-    posix_spawnattr_setflags(
-        &attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP);
+// What the child does between fork() and exec(): calls that are safe with other threads gone, and
+// no allocation. Tells `told` what went wrong.
+[[noreturn]] void become(char* const* argv, int in, int out, int told, pid_t parent) {
+  ::setpgid(0, 0);
+  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+  // Had the parent died before, nobody would tell.
+  if (::getppid() != parent) ::_exit(127);
+  if (::dup2(in, 0) >= 0 && ::dup2(out, 1) >= 0) {
+    forget_signals();
+    ::execvp(argv[0], argv);
   }
-  ~SpawnPlan() {
-    posix_spawn_file_actions_destroy(&actions);
-    posix_spawnattr_destroy(&attributes);
+  const int failed = errno;
+  (void)!::write(told, &failed, sizeof failed);
+  ::_exit(127);
+}
+
+// Starts a program; gives errno, or 0 and its id. Signals are blocked meanwhile, so that the child
+// has none until it has forgotten our handlers.
+int fork_program(char* const* argv, int in, int out, pid_t& id) {
+  int report[2];
+  if (::pipe2(report, O_CLOEXEC) != 0) return errno;
+  Descriptor heard(report[0]), told(report[1]);
+  sigset_t all, before;
+  sigfillset(&all);
+  ::pthread_sigmask(SIG_SETMASK, &all, &before);
+  const pid_t parent = ::getpid();
+  id = ::fork();
+  const int not_forked = errno;
+  if (id == 0) become(argv, in, out, told.fd, parent);
+  ::pthread_sigmask(SIG_SETMASK, &before, nullptr);
+  if (id < 0) return not_forked;
+  told.close();
+  // Ends, without a byte, once the program has taken the child's place.
+  int failed = 0;
+  ssize_t count = 0;
+  while ((count = ::read(heard.fd, &failed, sizeof failed)) < 0 && errno == EINTR) {
   }
-  SpawnPlan(const SpawnPlan&) = delete;
-  SpawnPlan& operator=(const SpawnPlan&) = delete;
-};
+  if (count <= 0) return 0;
+  while (::waitpid(id, nullptr, 0) < 0 && errno == EINTR) {
+  }
+  return failed;
+}
 
 }  // namespace
 
@@ -67,17 +95,25 @@ Result<std::unique_ptr<LineProcess>> LineProcess::start(const std::string& progr
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
-  SpawnPlan plan(theirs.fd, answers.fd);
+  // The kernel sends PR_SET_PDEATHSIG when the thread ends that forked, not the process: a thread
+  // forks that lives as long as the program is wanted.
   pid_t id = 0;
-  if (const int failed = ::posix_spawnp(&id, program.c_str(), &plan.actions, &plan.attributes,
-                                        argv.data(), environ))
-    return error(failed);
+  std::promise<int> promise;
+  std::future<int> started = promise.get_future();
+  std::jthread parent([&, told = std::move(promise)](const std::stop_token& stop) mutable {
+    std::promise<void> unwanted;
+    const std::stop_callback end(stop, [&] { unwanted.set_value(); });
+    // After this nothing of start() may be there.
+    told.set_value(fork_program(argv.data(), theirs.fd, answers.fd, id));
+    unwanted.get_future().wait();
+  });
+  if (const int failed = started.get()) return error(failed);
   // It has one thread yet; what it starts later inherits this.
   errno = 0;
   const int own = ::getpriority(PRIO_PROCESS, 0);
   if (nice > 0 && errno == 0) (void)::setpriority(PRIO_PROCESS, id_t(id), own + nice);
-  return std::unique_ptr<LineProcess>(
-      new LineProcess(id, std::exchange(ours.fd, -1), std::exchange(from.fd, -1)));
+  return std::unique_ptr<LineProcess>(new LineProcess(
+      id, std::exchange(ours.fd, -1), std::exchange(from.fd, -1), std::move(parent)));
 }
 
 LineProcess::~LineProcess() {
@@ -85,6 +121,8 @@ LineProcess::~LineProcess() {
   from_.close();
   ::kill(-id_, SIGKILL);
   ::kill(id_, SIGKILL);
+  // Once it is waited for, its number may be another's.
+  listed_.reset();
   while (::waitpid(id_, nullptr, 0) < 0 && errno == EINTR) {
   }
 }

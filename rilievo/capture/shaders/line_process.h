@@ -2,21 +2,25 @@
 //
 // The program gets lines on its standard input and answers on its standard output; its standard
 // error is ours. It is started without a shell, leads a process group of its own, and is killed
-// with that group when the object goes. No signal reaches the caller when the program dies. One
-// thread at a time. Internal to relief_impostor.
+// with that group when the object goes, and by core/started_programs.h; the kernel kills it,
+// without that group, when our process ends in any other way. No signal reaches the caller when the
+// program dies. One thread at a time. Internal to relief_impostor.
 #pragma once
 
 #include <sys/types.h>
 
 #include <chrono>
 #include <memory>
+#include <optional>
 #include <span>
 #include <stop_token>
 #include <string>
 #include <string_view>
+#include <thread>
 
 #include "rilievo/core/descriptor.h"
 #include "rilievo/core/result.h"
+#include "rilievo/core/started_programs.h"
 
 namespace rilievo {
 
@@ -44,10 +48,13 @@ class LineProcess {
   [[nodiscard]] pid_t id() const { return id_; }
 
  private:
-  LineProcess(pid_t id, int to, int from) : id_(id), to_(to), from_(from) {}
+  LineProcess(pid_t id, int to, int from, std::jthread parent)
+      : parent_(std::move(parent)), id_(id), to_(to), from_(from), listed_(std::in_place, id) {}
 
+  std::jthread parent_;  // forked the program, and lives as long as this
   pid_t id_;
   Descriptor to_, from_;
+  std::optional<StartedProgram> listed_;
   std::string heard_;
 };
 
