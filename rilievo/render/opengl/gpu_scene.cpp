@@ -4,7 +4,9 @@
 #include <cmath>
 #include <cstring>
 #include <map>
+#include <tuple>
 
+#include "rilievo/render/mask_coverage.h"
 #include "rilievo/render/opengl/scene_shaders.h"
 
 namespace rilievo {
@@ -51,13 +53,23 @@ int level_count(const Rgba8Image& image) {
   return 1 + int(std::floor(std::log2(float(std::max(image.width(), image.height())))));
 }
 
-gl::Texture upload_image(const Rgba8Image& image, bool srgb) {
+// `threshold`: of the mask whose alpha it holds, mask_threshold(); 0: of none.
+gl::Texture upload_image(const Rgba8Image& image, bool srgb, float threshold) {
   gl::Texture made =
       gl::make_texture_2d(gl_format(srgb), image.width(), image.height(), level_count(image));
   glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
   glTextureSubImage2D(made, 0, 0, 0, image.width(), image.height(), GL_RGBA, GL_UNSIGNED_BYTE,
                       image.texels().data());
-  glGenerateTextureMipmap(made);
+  if (threshold <= 0) {
+    glGenerateTextureMipmap(made);
+    return made;
+  }
+  const MipChain chain = build_mask_mip_chain(image, srgb, threshold);
+  for (std::size_t l = 1; l < chain.levels.size(); ++l) {
+    const MipChain::Level& level = chain.levels[l];
+    glTextureSubImage2D(made, GLint(l), 0, 0, level.width, level.height, GL_RGBA, GL_UNSIGNED_BYTE,
+                        chain.texels.data() + level.offset);
+  }
   return made;
 }
 
@@ -80,14 +92,15 @@ class TextureStore {
     const glm::u8vec4 white(255);
     glTextureSubImage2D(textures_[0], 0, 0, 0, 1, 1, GL_RGBA, GL_UNSIGNED_BYTE, &white);
   }
-  int get(const TextureUse& use, bool srgb) {
+  int get(const TextureUse& use, bool srgb, float threshold) {
     if (use.texture < 0) return 0;
-    auto [found, is_new] = known_.try_emplace({use.texture, srgb}, int(textures_.size()));
+    auto [found, is_new] =
+        known_.try_emplace({use.texture, srgb, threshold}, int(textures_.size()));
     if (is_new) {
       const Texture& texture = scene_.textures[std::size_t(use.texture)];
       const Rgba8Image& image = scene_.images[std::size_t(texture.image)];
-      auto [uploaded, is_new_image] = images_.try_emplace({texture.image, srgb});
-      if (is_new_image) uploaded->second = upload_image(image, srgb);
+      auto [uploaded, is_new_image] = images_.try_emplace({texture.image, srgb, threshold});
+      if (is_new_image) uploaded->second = upload_image(image, srgb, threshold);
       textures_.push_back(view_of(uploaded->second, texture, image, srgb));
     }
     return found->second;
@@ -96,8 +109,10 @@ class TextureStore {
  private:
   const Scene& scene_;
   std::vector<gl::Texture>& textures_;
-  std::map<std::pair<int, bool>, int> known_;
-  std::map<std::pair<int, bool>, gl::Texture> images_;  // the views keep their texels alive
+  // A texture or an image, and how it is read.
+  using Reading = std::tuple<int, bool, float>;
+  std::map<Reading, int> known_;
+  std::map<Reading, gl::Texture> images_;  // the views keep their texels alive
 };
 
 GpuMaterial convert(const Material& m, TextureStore& store, GpuMaterialBlock& block) {
@@ -112,7 +127,8 @@ GpuMaterial convert(const Material& m, TextureStore& store, GpuMaterialBlock& bl
   const bool srgb[kMaterialUnits] = {true, false, false, false, true};
   bool textured = false;
   for (std::size_t unit = 0; unit < kMaterialUnits; ++unit) {
-    out.textures[unit] = store.get(*uses[unit], srgb[unit]);
+    const float threshold = unit == kBaseColorUnit ? mask_threshold(m) : 0;
+    out.textures[unit] = store.get(*uses[unit], srgb[unit], threshold);
     textured |= out.textures[unit] != 0;
     const glm::mat3 rows = glm::transpose(uses[unit]->texture_from_uv);
     block.uv_rows[2 * unit] = glm::vec4(rows[0], float(uses[unit]->uv_set));

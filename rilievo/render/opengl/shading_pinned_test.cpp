@@ -88,7 +88,8 @@ void compare_pictures(const ShadingScene& shown, SceneRenderer& renderer, const 
     const Difference between = compare(rasterized.color, cast.color, width, masked);
     EXPECT_GT(between.compared, 500);
     EXPECT_LE(between.other, 0.002);
-    EXPECT_LE(between.rms, 0.5);
+    // A sample of four that goes to the other side of a hole's edge changes a texel by up to 64.
+    EXPECT_LE(between.rms, masked ? 0.7 : 0.5);
     const Difference against = compare(opengl, rasterized.color, width, masked);
     // Levels of textures are rounded to bytes in a way of the driver's own.
     double most_rms = 1.0, most_other = 0.001;

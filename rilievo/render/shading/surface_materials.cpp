@@ -3,6 +3,7 @@
 #include <bit>
 
 #include "rilievo/core/expects.h"
+#include "rilievo/render/mask_coverage.h"
 
 namespace rilievo {
 namespace {
@@ -36,12 +37,16 @@ SurfaceTexture unscaled_texture(const Scene& scene, const TextureUse& use, bool 
   return out;
 }
 
-std::optional<SurfaceTexture> SurfaceMaterials::use(const TextureUse& use, bool srgb) {
+std::optional<SurfaceTexture> SurfaceMaterials::use(const TextureUse& use, bool srgb,
+                                                    float threshold) {
   if (use.texture < 0) return std::nullopt;
-  const auto image = std::size_t(scene_->textures[std::size_t(use.texture)].image);
-  if (scene_->images[image].empty()) return std::nullopt;
-  MipChain& chain = chains_[image][srgb];
-  if (chain.levels.empty()) chain = build_mip_chain(scene_->images[image], srgb);
+  const int number = scene_->textures[std::size_t(use.texture)].image;
+  const Rgba8Image& image = scene_->images[std::size_t(number)];
+  if (image.empty()) return std::nullopt;
+  MipChain& chain = chains_[{number, srgb, threshold}];
+  if (chain.levels.empty())
+    chain =
+        threshold > 0 ? build_mask_mip_chain(image, srgb, threshold) : build_mip_chain(image, srgb);
   SurfaceTexture out = unscaled_texture(*scene_, use, srgb);
   TextureLevels& levels = out.levels;
   levels.count = int(chain.levels.size());
@@ -55,7 +60,7 @@ std::optional<SurfaceTexture> SurfaceMaterials::use(const TextureUse& use, bool 
 }
 
 SurfaceMaterials::SurfaceMaterials(const Scene& scene, TexturedMaterials textured)
-    : scene_(&scene), chains_(scene.images.size()) {
+    : scene_(&scene) {
   const Material fallback;
   for (std::size_t i = 0; i <= scene.materials.size(); ++i) {
     const Material& m = i < scene.materials.size() ? scene.materials[i] : fallback;
@@ -71,7 +76,7 @@ SurfaceMaterials::SurfaceMaterials(const Scene& scene, TexturedMaterials texture
     out.blended = m.alpha_mode == AlphaMode::blend;
     if (textured == TexturedMaterials::all ||
         out.blended == (textured == TexturedMaterials::blended)) {
-      out.base = use(m.base_color_texture, true);
+      out.base = use(m.base_color_texture, true, mask_threshold(m));
       if (!m.unlit) {
         out.metallic_roughness = use(m.metallic_roughness_texture, false);
         out.normal = use(m.normal_texture, false);
@@ -96,8 +101,7 @@ const SurfaceMaterial& SurfaceMaterials::of_mesh(int mesh) const {
 
 std::size_t SurfaceMaterials::bytes() const {
   std::size_t bytes = 0;
-  for (const auto& ways : chains_)
-    for (const MipChain& chain : ways) bytes += chain.bytes();
+  for (const auto& [reading, chain] : chains_) bytes += chain.bytes();
   return bytes;
 }
 

@@ -2,18 +2,19 @@
 //
 // Each material with its textures: mip levels, wrapping and texture coordinates. Level 0 of a
 // texture is the Scene's own image; the smaller levels are made once for each way of reading the
-// image (sRGB or linear). Plain numbers, constant over a mesh, for shading_model.inl. Read-only
-// after the constructor: any thread.
+// image (sRGB or linear, and by each threshold of a mask). Plain numbers, constant over a mesh, for
+// shading_model.inl. Read-only after the constructor: any thread.
 #pragma once
 
-#include <array>
+#include <compare>
 #include <cstddef>
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <map>
 #include <optional>
 #include <vector>
 
-#include "rilievo/render/shading/mip_chain.h"
+#include "rilievo/render/mip_chain.h"
 #include "rilievo/scene/scene.h"
 
 namespace rilievo {
@@ -77,11 +78,18 @@ class SurfaceMaterials {
   [[nodiscard]] std::size_t bytes() const;
 
  private:
-  [[nodiscard]] std::optional<SurfaceTexture> use(const TextureUse& use, bool srgb);
+  // An image and how it is read.
+  struct Reading {
+    int image = 0;
+    bool srgb = false;
+    float threshold = 0;  // of a mask, mask_threshold()
+    auto operator<=>(const Reading&) const = default;
+  };
+  [[nodiscard]] std::optional<SurfaceTexture> use(const TextureUse& use, bool srgb,
+                                                  float threshold = 0);
 
   const Scene* scene_;
-  // By image: read as linear, as sRGB. Empty: not read so.
-  std::vector<std::array<MipChain, 2>> chains_;
+  std::map<Reading, MipChain> chains_;
   std::vector<SurfaceMaterial> materials_;  // as Scene::materials, then the default material
 };
 

@@ -1,7 +1,7 @@
 // A box filter, also where a size is odd: then a texel covers two texels of the level above and a
 // part of a third one, each weighted by how much of it is covered. What is outside of the texture
 // has no weight, whatever its wrap mode: areas never reach beyond it.
-#include "rilievo/render/shading/mip_chain.h"
+#include "rilievo/render/mip_chain.h"
 
 #include <algorithm>
 #include <array>
@@ -65,7 +65,7 @@ Covered covered(int i, int large, int small) {
 
 }  // namespace
 
-MipChain build_mip_chain(const Rgba8Image& texture, bool srgb) {
+MipChain build_mip_chain(const Rgba8Image& texture, bool srgb, MipColors colors) {
   RILIEVO_EXPECTS(!texture.empty());
   MipChain chain;
   std::size_t size = 0;
@@ -91,6 +91,7 @@ MipChain build_mip_chain(const Rgba8Image& texture, bool srgb) {
       for (int x = 0; x < level.width; ++x) {
         const Covered& column = columns[std::size_t(x)];
         glm::vec4 sum(0.0f);
+        glm::vec3 shown(0.0f);
         for (int j = 0; j < rows.count; ++j)
           for (int i = 0; i < column.count; ++i) {
             const glm::u8vec4 c = from[std::size_t(rows.first + j) * std::size_t(above.width) +
@@ -99,9 +100,12 @@ MipChain build_mip_chain(const Rgba8Image& texture, bool srgb) {
             const auto part = [&](std::uint8_t byte) {
               return srgb ? linear[byte] : float(byte) * (1.0f / 255.0f);
             };
-            sum +=
-                weight * glm::vec4(part(c.r), part(c.g), part(c.b), float(c.a) * (1.0f / 255.0f));
+            const glm::vec3 color(part(c.r), part(c.g), part(c.b));
+            const float alpha = float(c.a) * (1.0f / 255.0f);
+            sum += weight * glm::vec4(color, alpha);
+            shown += weight * alpha * color;
           }
+        if (colors == MipColors::of_what_shows && sum.a > 0) sum = glm::vec4(shown / sum.a, sum.a);
         to[x] = srgb ? glm::u8vec4(encode(curves, sum.r), encode(curves, sum.g),
                                    encode(curves, sum.b), encode(sum.a))
                      : glm::u8vec4(encode(sum.r), encode(sum.g), encode(sum.b), encode(sum.a));
