@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <filesystem>
 #include <utility>
 
 #include "apps/rilievo/draw_speed.h"
@@ -10,6 +11,7 @@
 #include "apps/rilievo/progress.h"
 #include "rilievo/frame/software/software_backend.h"
 #include "rilievo/method/auto.h"
+#include "rilievo/method/relief_impostors.h"
 #include "rilievo/representation/software/software_factories.h"
 
 namespace rilievo::app {
@@ -125,6 +127,10 @@ Result<Method> Stage::make(const std::string& method, const MethodOptions& optio
   if (!software) return software.error();
   const Result<Backend*> backend = this->backend(*software);
   if (!backend) return backend.error();
+  if (method == kReliefImpostorName)
+    if (Result<> made = make_folder(std::filesystem::path(options.impostors.store).parent_path());
+        !made)
+      return made.error();
   return with_reports(options, [&](const rilievo::MethodOptions& with) {
     return make_method(method, with, **backend);
   });

@@ -162,11 +162,17 @@ class Viewer {
     state_.speed = float(0.2 * std::max(1e-3, double(subject.bounds.radius())));
   }
 
+  Result<> save_last() {
+    const std::filesystem::path file = options_.screenshot;
+    if (Result<> made = make_folder(file.parent_path()); !made) return made;
+    return save_png(file, read_window(width_, height_));
+  }
+
   Result<> run() {
     for (int frame = 0; window_.begin_frame(); ++frame) {
       if (Result<> drawn = frame_of(frame); !drawn) return drawn;
       const bool last = !options_.screenshot.empty() && frame + 1 >= state_.path_frames;
-      if (last) return save_png(options_.screenshot, read_window(width_, height_));
+      if (last) return save_last();
       window_.show();
     }
     if (!options_.screenshot.empty())

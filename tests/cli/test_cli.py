@@ -423,7 +423,7 @@ class Window(Folder):
         self.assertGreater(len(data), 20000)
 
     def test_the_window_plays_a_path_and_saves_what_it_shows(self):
-        shot = self.folder / "view.png"
+        shot = self.folder / "made" / "view.png"
         self.xvfb(command.program, "view", TEAPOTS, "--size", "640x360", "--frames", "3", "--split",
                   "--outlines", "--screenshot", shot)
         self.is_picture(shot)

@@ -68,7 +68,15 @@ class Places(command.Case):
     def test_folders_that_are_missing_are_made(self):
         self.succeeds("scene", "teapot?triangles=500", "-o", self.folder / "a" / "b" / "t.glb",
                       "--save-path", self.folder / "c" / "path.json")
-        self.assertEqual(files_below(self.folder).keys(), {"a/b/t.glb", "c/path.json"})
+        self.succeeds("info", TEAPOT, "--json", self.folder / "d" / "e" / "info.json")
+        self.succeeds("bake", TEAPOT, *SMALL_BAKE, "-o", self.folder / "f" / "t.exr",
+                      "--json", self.folder / "g" / "bake.json")
+        self.succeeds("render", TEAPOT, "--method", "relief-impostor", "--orbit", "1", "--size", "32x24",
+                      "--draw", "software", "-o", self.folder / "h" / "i", "--store",
+                      self.folder / "j" / "k" / "store.db", "--json", self.folder / "l" / "render.json")
+        self.assertEqual(files_below(self.folder).keys(),
+                         {"a/b/t.glb", "c/path.json", "d/e/info.json", "f/t.exr", "g/bake.json",
+                          "h/i/frame_00000.png", "j/k/store.db", "l/render.json"})
 
     def test_a_link_stays_and_its_target_keeps_its_permissions(self):
         for name, arguments in (("t.glb", ("scene", "teapot?triangles=500", "-o")),
