@@ -12,10 +12,10 @@
 namespace rilievo {
 namespace {
 
-constexpr int kUnit = 16 * 255;  // opaque: the weights of a bilinear sample are whole 16ths
+constexpr int kOpaqueMask = 16 * 255;  // the weights of a bilinear sample are whole 16ths
 
-// How many samples of a level have an alpha, in units of 1 / kUnit.
-using Histogram = std::array<std::int64_t, std::size_t(kUnit) + 1>;
+// How many samples of a level have an alpha, in units of 1 / kOpaqueMask.
+using Histogram = std::array<std::int64_t, std::size_t(kOpaqueMask) + 1>;
 
 // Of what bilinear interpolation gives at four places in each texel, a quarter of a texel from its
 // centre: what a frame reads, not the texels themselves.
@@ -40,8 +40,8 @@ Histogram histogram_of(std::span<const glm::u8vec4> texels, int width, int heigh
 // least alpha that passes and the next one below.
 double threshold_for(const Histogram& count, std::int64_t samples, double share) {
   std::int64_t passing = 0;
-  int least = kUnit + 1;  // of those that pass
-  for (int alpha = kUnit; alpha >= 0; --alpha) {
+  int least = kOpaqueMask + 1;  // of those that pass
+  for (int alpha = kOpaqueMask; alpha >= 0; --alpha) {
     const std::int64_t here = count[std::size_t(alpha)];
     if (here == 0) continue;
     const double with = double(passing + here) / double(samples) - share;
@@ -67,7 +67,7 @@ MipChain build_mask_mip_chain(const Rgba8Image& texture, bool srgb, float thresh
   MipChain chain = build_mip_chain(texture, srgb, MipColors::of_what_shows);
   const auto passing_share = [&](const Histogram& count, std::int64_t samples) {
     std::int64_t passing = 0;
-    for (int alpha = int(std::ceil(double(threshold) * kUnit)); alpha <= kUnit; ++alpha)
+    for (int alpha = int(std::ceil(double(threshold) * kOpaqueMask)); alpha <= kOpaqueMask; ++alpha)
       passing += count[std::size_t(alpha)];
     return double(passing) / double(samples);
   };
@@ -81,7 +81,7 @@ MipChain build_mask_mip_chain(const Rgba8Image& texture, bool srgb, float thresh
                                      std::size_t(level.width) * std::size_t(level.height));
     const Histogram count = histogram_of(own, level.width, level.height);
     const double here = threshold_for(count, 4 * std::int64_t(own.size()), share);
-    const double factor = double(threshold) * kUnit / std::max(here, 0.5);
+    const double factor = double(threshold) * kOpaqueMask / std::max(here, 0.5);
     for (glm::u8vec4& texel : own)
       texel.a = std::uint8_t(std::min(255.0, std::floor(double(texel.a) * factor + 0.5)));
   }
