@@ -84,8 +84,8 @@ TEST_F(SoftwareKindsTest, layered_reliefs) {
 }
 
 TEST_F(SoftwareKindsTest, layered_impostors) {
-  // Of a pixel's neighbours OpenGL knows two, those in its quad, so that on the outer side half of
-  // the pixels along silhouettes show their centres alone (40.4 dB at least).
+  // Along silhouettes OpenGL looks at the samples of other pixels, and asks more pictures for those
+  // of a pixel whose centre shows something (40.5 dB at least).
   least_db_ = 39;
   ASSERT_NO_FATAL_FAILURE(load("builtin:teapots?triangles=20000"));
   const Kind& kind = *find_kind(kinds(), "layered-impostor");
@@ -196,8 +196,7 @@ TEST_F(SoftwareKindsTest, baked_objects_of_a_scene) {
         return chooser(placed, software_drawable_rows());
       });
   ASSERT_TRUE(software.ok());
-  // Along silhouettes they differ: OpenGL knows the neighbours of a pixel in its quad alone, and
-  // software follows what is thinner than a pixel.
+  // Along silhouettes they differ: see layered_impostors.
   least_db_ = 42;
   for (const Camera& camera : cameras_around(builtin.scene, 3, 6))
     expect_same(opengl, **software, camera, 0.2);

@@ -9,16 +9,6 @@
 namespace rilievo {
 namespace {
 
-// A known fault, not mended: layered impostors look at the samples of pixels only beside one whose
-// centre shows something, and what is thinner than a pixel passes between many centres in a row
-// (bench/results/seen.md). Its limit is the gap that was measured, so that it cannot become wider
-// unseen.
-constexpr double kFaultyLayeredGapPx = 14;
-
-double most_gap_px(const std::string& method) {
-  return method == "layered-impostor" ? kFaultyLayeredGapPx : test_cable::kMostGapPx;
-}
-
 class CableFrames : public gl::ContextTest, public testing::WithParamInterface<const char*> {};
 
 TEST_P(CableFrames, no_gap_along_a_cable_of_half_a_texel_is_wider_than_a_pixel) {
@@ -28,7 +18,7 @@ TEST_P(CableFrames, no_gap_along_a_cable_of_half_a_texel_is_wider_than_a_pixel) 
     return std::unique_ptr<Backend>(std::move(*made));
   });
   RecordProperty("widest_gap_px", std::to_string(gap));
-  EXPECT_LE(gap, most_gap_px(GetParam()));
+  EXPECT_LE(gap, test_cable::kMostGapPx);
 }
 
 INSTANTIATE_TEST_SUITE_P(All, CableFrames,

@@ -1,8 +1,9 @@
 // How are layered impostors drawn by OpenGL, with the depth of what they show (S2.3)?
 //
-// In two ways (draw_options.h). Both are opaque and mix with everything else in the z-buffer. Only
-// the edges of quads and boxes are antialiased: the samples of a pixel are either all the
-// impostor's or none.
+// In two ways (draw_options.h). Both are opaque and mix with everything else in the z-buffer. Of
+// slices only the edges of quads are antialiased. Of surfaces, in frames of four samples a pixel,
+// silhouettes are: where the ray of a pixel's centre passes beside one (silhouette_band.h), or what
+// it meets ends there, the ray of each sample is marched.
 //
 // Needs a current OpenGL context; draws into the bound framebuffer and viewport.
 #pragma once

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "rilievo/layered_impostor/gl/silhouette_band.h"
 #include "rilievo/layered_impostor/picture_textures.h"
 
 namespace rilievo {
@@ -76,12 +77,13 @@ LayeredPictures::SurfaceTextures LayeredPictures::surface_textures() {
     cells_ = make_array(GL_RG32F, size.columns, size.rows, kCellBytes);
     for (std::size_t v = 0; v < impostor_.surfaces.size(); ++v) {
       const Image<SurfaceTexel>& texels = impostor_.surfaces[v].texels;
-      Image<float> q(texels.width(), texels.height());
+      const Image<float> band = silhouette_band(impostor_.surfaces[v]);
+      Image<float> q = band;
       Image<glm::uvec2> slope(texels.width(), texels.height());
       Image<std::uint8_t> links(texels.width(), texels.height());
       for (std::size_t i = 0; i < texels.texels().size(); ++i) {
         const SurfaceTexel& t = texels.texels()[i];
-        q.texels()[i] = t.q;
+        if (t.q != 0) q.texels()[i] = t.q;
         slope.texels()[i] = {glm::packHalf2x16({t.slope[0], t.slope[1]}),
                              glm::packHalf2x16({t.slope[2], t.slope[3]})};
         links.texels()[i] = t.links;
@@ -89,7 +91,9 @@ LayeredPictures::SurfaceTextures LayeredPictures::surface_textures() {
       upload(q_, int(v), q, GL_RED, GL_FLOAT);
       upload(slope_, int(v), slope, GL_RG_INTEGER, GL_UNSIGNED_INT);
       upload(links_, int(v), links, GL_RED_INTEGER, GL_UNSIGNED_BYTE);
-      upload(cells_, int(v), pyramid_cells(impostor_.surfaces[v], size), GL_RG, GL_FLOAT);
+      Image<glm::vec2> cells = pyramid_cells(impostor_.surfaces[v], size);
+      add_band(band, impostor_.surfaces[v], size, cells);
+      upload(cells_, int(v), cells, GL_RG, GL_FLOAT);
     }
   }
   return {q_, slope_, links_, cells_, cell_texture(width_, height_).level_at};

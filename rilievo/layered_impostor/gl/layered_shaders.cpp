@@ -56,6 +56,7 @@ void main() {
 const char* const kWalk = R"(
 in vec3 v_ray;
 flat in int v_instance;
+// Of texels that show nothing 0 or less: silhouette_band().
 layout(binding = 1) uniform sampler2DArray q_texture;
 layout(binding = 2) uniform usampler2DArray slope_texture;  // halves, two by two
 layout(binding = 3) uniform usampler2DArray links_texture;
@@ -64,7 +65,8 @@ layout(binding = 4) uniform sampler2DArray cell_texture;
 layout(location = 2) uniform int level_at[LEVELS];  // columns
 
 // s: along the segment, of the hit; without one, of the edge passed last. The texel likewise.
-struct March { bool hit, behind, outline; float s; ivec2 texel; };
+// beside: passed beside a silhouette, not far in front of it.
+struct March { bool hit, behind, outline, beside; float s; ivec2 texel; };
 
 // The stretch of the ray, t in [t.x, t.y], that lies in the view's frustum, as (u, v, q); narrows t.
 bool frustum_segment(View view, vec3 ray, inout vec2 t, out vec3 from, out vec3 to) {
@@ -97,7 +99,7 @@ vec4 slope_of(ivec3 texel) {
 
 // > 0 in front of the piece of surface over the texel.
 float side_of(float sigma, vec3 p, ivec2 texel, float q, vec4 slope) {
-  if (q == 0.0) return 1.0;
+  if (q <= 0.0) return 1.0;
   vec2 d = p.xy - (vec2(texel) + 0.5);
   vec2 s = mix(slope.zw, slope.xy, greaterThanEqual(d, vec2(0.0)));
   return sigma * (p.z - q - dot(abs(d), s));
@@ -108,8 +110,24 @@ vec2 exits(ivec2 low, int side, vec2 from, vec2 inverse, vec2 ahead) {
   return (vec2(low) + ahead * float(side) - from) * inverse;
 }
 
-March march_view(View view, vec3 from, vec3 to) {
-  March march = March(false, false, false, 0.0, ivec2(0));
+// Texels a pixel: `pixel` is its width, at `along` on the ray.
+float texels_per_pixel(View view, vec3 along, mat2x3 pixel) {
+  // (u w, v w, w)
+  vec3 at = vec3(dot(view.u_row, vec4(along, 1.0)), dot(view.v_row, vec4(along, 1.0)),
+                 dot(view.w_row, vec4(along, 1.0)));
+  float most = 0.0;
+  for (int i = 0; i < 2; ++i) {
+    float w = dot(view.w_row.xyz, pixel[i]);
+    vec2 step = vec2(dot(view.u_row.xyz, pixel[i]), dot(view.v_row.xyz, pixel[i]));
+    step = abs(step - at.xy / at.z * w) / at.z;
+    most = max(most, max(step.x, step.y));
+  }
+  return most;
+}
+
+// `wide`: the level of cells of which four or fewer pixels are as wide as one; -1: none are.
+March march_view(View view, vec3 from, vec3 to, int wide) {
+  March march = March(false, false, false, false, 0.0, ivec2(0));
   float sigma = view.apex.w;
   int layer = int(view.base.w);
   ivec2 size = ivec2(view.du.w, view.dv.w);
@@ -148,10 +166,10 @@ March march_view(View view, vec3 from, vec3 to) {
         // Into another cell of the coarser level: that may be stepped over as a whole.
         int coarser = BLOCK_BITS + (level + 1) * FACTOR_BITS;
         if (level + 1 < LEVELS && (texel >> coarser) != (low >> coarser)) ++level;
-      } else if (level > 0) {
-        --level;
       } else {
-        near = true;
+        march.beside = march.beside || level <= wide;
+        near = level == 0;
+        level = max(level - 1, 0);
       }
     } while (!near && !done);
     if (done) break;
@@ -166,6 +184,8 @@ March march_view(View view, vec3 from, vec3 to) {
       vec2 ends = exits(texel, 1, from.xy, inverse, ahead);
       leave = min(min(ends.x, ends.y), 1.0);
       float leaves = side_of(sigma, from + delta * leave, texel, q, slope);
+      vec2 z = sigma * (from.z + delta.z * vec2(t, leave));
+      march.beside = march.beside || (q < 0.0 && min(z.x, z.y) <= -sigma * q);
       march.hit = enters > 0.0 && leaves <= 0.0;
       done = march.hit || (!edge && leave >= 1.0);
       if (!edge && !done) {
@@ -180,7 +200,7 @@ March march_view(View view, vec3 from, vec3 to) {
       // Is it the surface's end, or only where two linked pieces do not quite meet?
       ivec3 beyond = ivec3(texel - moved, layer);
       int link = moved.x != 0 ? (moved.x > 0 ? 0 : 4) : (moved.y > 0 ? 2 : 6);
-      bool hole = moved == ivec2(0) || texelFetch(q_texture, beyond, 0).r == 0.0;
+      bool hole = moved == ivec2(0) || texelFetch(q_texture, beyond, 0).r <= 0.0;
       bool linked = !hole && (texelFetch(links_texture, beyond, 0).r >> link & 1u) != 0u;
       if (linked) {  // and they nearly meet: patch_gap()
         float q = texelFetch(q_texture, beyond, 0).r;
@@ -236,10 +256,12 @@ vec4 color_at(int layer, March march, vec2 at) {
 }
 
 // What a ray shows. Its colour is premultiplied, its alpha is coverage; depth above 1: nothing.
-struct Shown { vec4 color; float depth; uint object; bool whole; };
+// whole: no silhouette passes beside what is shown. beside: the ray passes beside one.
+struct Shown { vec4 color; float depth; uint object; bool whole, beside; };
 
-// The rules are those of warp_surfaces(). `whole`: no silhouette passes beside what is shown.
-Shown look(vec3 ray) {
+// The rules are those of warp_surfaces(). first_decides: of the views that know it the best one alone
+// is asked. pixel: its width and height, at the ray's end.
+Shown look(vec3 ray, mat2x3 pixel, bool first_decides) {
   int instance = v_instance;
   mat4 clip_from_local = instances[instance].clip_from_local;
   vec2 clip_zw = (clip_from_local * vec4(ray, 0.0)).zw, clip_zw_eye = clip_from_local[3].zw;
@@ -249,23 +271,31 @@ Shown look(vec3 ray) {
   // A sample's ray may pass beside the box.
   vec2 t = vec2(max(max(max(lo.x, lo.y), lo.z), 1e-6), min(min(min(hi.x, hi.y), hi.z), 1.0));
 
-  Shown shown = Shown(vec4(0.0), 2.0, 0u, true);
+  Shown shown = Shown(vec4(0.0), 2.0, 0u, true, false);
   vec4 blended = vec4(0.0), doubtful_color = vec4(0.0);
   float surface = 0.0, nothing = 0.0, heaviest = 0.0;
   float depth = 2.0, doubtful_depth = 2.0;
   uint object = 0u, doubtful_object = 0u;
   bool skin = false, sees_through = false, doubtful_whole = true;
   int inside = 0;
-  if (t.x >= t.y) return shown;
+  if (t.x >= t.y) {
+    shown.beside = true;  // of the box, and with it perhaps of what touches its faces
+    return shown;
+  }
   for (int i = 0; i < list.y; ++i) {
     bool weighted = i < list.z;
-    if (!weighted && surface + nothing > 0.0) break;
+    if ((!weighted || first_decides) && surface + nothing > 0.0) break;
     float weight = weighted ? instances[instance].weights[i >> 2][i & 3] : 1.0;
     View view = views[list.x + i];
     vec3 from, to;
     vec2 stretch = t;
-    March march = March(false, false, false, 0.0, ivec2(0));
-    if (frustum_segment(view, ray, stretch, from, to)) march = march_view(view, from, to);
+    March march = March(false, false, false, false, 0.0, ivec2(0));
+    if (frustum_segment(view, ray, stretch, from, to)) {
+      float along = 0.5 * (stretch.x + stretch.y);
+      float texels = texels_per_pixel(view, along * ray, along * pixel);
+      march = march_view(view, from, to, texels < 1.0 ? -1 : texels < 4.0 ? 0 : 1);
+    }
+    shown.beside = shown.beside || march.beside;
     if (!march.hit) {
       if (!march.behind) {
         nothing += weight * view.depths.z;
@@ -309,24 +339,27 @@ Shown look(vec3 ray) {
 }
 
 void main() {
-  Shown shown = look(v_ray);
+  // Across the ray: the box's faces are slanted.
+  mat2x3 pixel = mat2x3(dFdx(v_ray), dFdy(v_ray));
+  for (int i = 0; i < 2; ++i) pixel[i] -= dot(pixel[i], v_ray) / dot(v_ray, v_ray) * v_ray;
+  Shown shown = look(v_ray, pixel, false);
 #ifdef OBJECT_IDS
   if (shown.depth > 1.0) discard;
   out_object = shown.object;
 #else
   // All samples show what the centre shows. Along silhouettes, as
   // layered_impostor/software/layered_tiles.cpp: a silhouette may pass beside the texel that is
-  // shown, or passes between this pixel and one that is drawn along with it.
-  bool some = shown.depth <= 1.0;
+  // shown, or beside the ray, or passes between this pixel and one that is drawn along with it.
+  bool some = shown.depth <= 1.0, missed = !some;
   bool along = abs(dFdx(float(some))) + abs(dFdy(float(some))) > 0.0;
   vec4 color = shown.color / max(shown.color.a, 1e-3);
   int covered = some ? -1 : 0;  // however many samples the frame has
-  if (gl_NumSamples == 4 && (along || (some && !shown.whole))) {
+  if (gl_NumSamples == 4 && (along || (some ? !shown.whole : shown.beside))) {
     const vec2 kPlaces[4] = vec2[](vec2(-0.125, -0.375), vec2(0.375, -0.125), vec2(-0.375, 0.125),
                                    vec2(0.125, 0.375));
     vec4 at_samples[4];
     for (int s = 0; s < 4; ++s) {
-      Shown at_sample = look(interpolateAtOffset(v_ray, kPlaces[s]));
+      Shown at_sample = look(interpolateAtOffset(v_ray, kPlaces[s]), pixel, missed);
       bool met = at_sample.depth <= 1.0;
       at_samples[s] = met ? at_sample.color : vec4(0.0);
       along = along || !met;

@@ -9,13 +9,11 @@
 #include <vector>
 
 #include "rilievo/core/expects.h"
-#include "rilievo/core/parallel_for.h"
 #include "rilievo/layered_impostor/layered_kind.h"
-#include "rilievo/layered_impostor/picture_textures.h"
-#include "rilievo/layered_impostor/pixel_march.h"
 #include "rilievo/layered_impostor/slice_quads.h"
 #include "rilievo/layered_impostor/software/impostor_tiles.h"
-#include "rilievo/layered_impostor/software/march_rays.h"
+#include "rilievo/layered_impostor/software/layered_rays.h"
+#include "rilievo/layered_impostor/software/pixel_centers.h"
 #include "rilievo/layered_impostor/software/placed_camera.h"
 #include "rilievo/layered_impostor/software/placed_layered.h"
 #include "rilievo/layered_impostor/software/sampled_pixels.h"
@@ -31,12 +29,6 @@ namespace {
 // picture.
 constexpr double kMarginShare = 0.02;
 
-struct LayeredPicture {
-  Image<glm::u8vec4> color;
-  Image<std::uint32_t> object;  // empty if all show one
-  MarchSurface surface;
-};
-
 class LayeredTiles final : public ImpostorTiles {
  public:
   LayeredTiles(LayeredImpostor impostor, const LayeredOptions& options);
@@ -48,53 +40,21 @@ class LayeredTiles final : public ImpostorTiles {
   [[nodiscard]] bool place(const Camera& frame, const Instance& instance, PlacedLayered& out) const;
   void place_views(const glm::dvec3& eye, PlacedLayered& out) const;
   static constexpr int kRow = FrameTile::kBlock;
-  static_assert(kRow == MarchRays::kCount);
-  // What the pixels of a tile show at their centres.
-  struct Centers;
-  void look_at_centers(const PlacedLayered& placed, const FrameTile& tile, int block,
-                       Centers& centers) const;
-  void look_beside(const PlacedLayered& placed, const FrameTile& tile, Centers& centers) const;
-  static void draw_block(const Centers& centers, const SampledPixels& pixels, FrameTile& tile,
+  static void draw_block(const PixelCenters& centers, const SampledPixels& pixels, FrameTile& tile,
                          int block);
-  void draw_samples(const PlacedLayered& placed, const Centers& centers, SampledPixels& pixels,
+  void draw_samples(const PlacedLayered& placed, const PixelCenters& centers, SampledPixels& pixels,
                     FrameTile& tile) const;
-  struct Look;
-  // A raster position, and some distances along its ray.
-  struct Gaze {
-    glm::dvec2 at{0.0};
-    double begin = 0, end = 1e300;
-  };
-  // What those show whose bit is set. `first_decides`: of the views that know it the best one alone
-  // is asked.
-  void look(const PlacedLayered& placed, const std::array<Gaze, kRow>& gazes, std::uint32_t wanted,
-            SeenLayered (&shown)[kRow], bool first_decides = false) const;
-  // Where a ray ended; `along` is its direction as the view's picture has it.
-  [[nodiscard]] SeenLayered seen_at(const PlacedLayered& placed, const MarchedView& view,
-                                    const MarchRays& rays, std::size_t ray,
-                                    const glm::dvec3& along) const;
   static void write(const SeenLayered& seen, FrameTile& tile, int block, int pixel);
   static void write_sample(const SeenLayered& seen, FrameTile& tile, int block, int pixel,
                            int sample);
 
-  RayBounds bounds_;
-  std::vector<LayeredPicture> pictures_;
+  LayeredRays rays_;
   std::vector<PlacedLayered> placed_;  // front to back; kept, so that drawing does not allocate
 };
 
 LayeredTiles::LayeredTiles(LayeredImpostor impostor, const LayeredOptions& options)
-    : ImpostorTiles(std::move(impostor), options), bounds_(impostor_.bounds) {
-  pictures_.resize(impostor_.pictures.size());
-  parallel_for(std::size_t(0), pictures_.size(), [&](std::size_t i) {
-    DepthImage& picture = impostor_.pictures[i];
-    pictures_[i].color = encoded_colors(picture.color);
-    if (objects_.several) pictures_[i].object = std::move(picture.object);
-    pictures_[i].surface = make_march_surface(impostor_.surfaces[i]);
-    picture.color = {}, picture.depth = {}, picture.object = {};
-    impostor_.surfaces[i].texels = {};
-  });
-  for (const LayeredPicture& picture : pictures_)
-    bytes_ += picture.color.texels().size() * kColorBytes + picture.surface.bytes() +
-              4 * picture.object.texels().size();
+    : ImpostorTiles(std::move(impostor), options), rays_(impostor_) {
+  bytes_ = rays_.bytes();
 }
 
 bool LayeredTiles::place(const Camera& frame, const Instance& instance, PlacedLayered& out) const {
@@ -168,224 +128,20 @@ void LayeredTiles::draw(const Camera& frame, std::span<const Instance> instances
       [](const PlacedLayered& a, const PlacedLayered& b) { return a.distance < b.distance; });
 }
 
-SeenLayered LayeredTiles::seen_at(const PlacedLayered& placed, const MarchedView& view,
-                                  const MarchRays& rays, std::size_t ray,
-                                  const glm::dvec3& along) const {
-  const LayeredPicture& picture = pictures_[view.view];
-  glm::vec3 hit;  // u, v, q
-  for (int k = 0; k < 3; ++k)
-    hit[k] = rays.from[k][ray] + rays.t[ray] * (rays.to[k][ray] - rays.from[k][ray]);
-  const glm::dvec3 from_eye = glm::dvec3(hit.x, hit.y, 1) / double(hit.z) - view.eye;
-  const double t = glm::dot(from_eye, along) / glm::dot(along, along);
-  SeenLayered seen;
-  seen.inverse_z = float(1 / (t * placed.scale));
-  const glm::ivec2 texel(rays.x[ray], rays.y[ray]);
-  seen.object = objects_.several ? picture.object(texel.x, texel.y) : placed.object;
-
-  // Between the texels that are linked to the one that was hit.
-  const std::size_t i =
-      std::size_t(texel.y) * std::size_t(picture.surface.width) + std::size_t(texel.x);
-  const SampleWeights weights =
-      sample_weights({.links = std::uint8_t(picture.surface.texels[i].links)},
-                     glm::dvec2(hit) - (glm::dvec2(texel) + 0.5));
-  seen.color =
-      interpolate(weights, texel,
-                  [&](const glm::ivec2& at) { return glm::vec4(picture.color(at.x, at.y)); }) /
-      255.0f;
-  return seen;
-}
-
-// What a pixel shows, as view after view is marched through.
-struct LayeredTiles::Look {
-  PixelRay ray;
-  SeenLayered certain, doubtful, skin;
-  int inside = 0;
-  bool sees_through = false;
-  float surface = 0, nothing = 0, heaviest = 0;
-  glm::vec4 blended{0.0f};
-
-  // Nothing, whatever the views show that are left, of this weight.
-  [[nodiscard]] bool is_empty(float rest) const { return nothing > surface + rest; }
-  [[nodiscard]] SeenLayered shown(bool several_views) const {
-    if (is_empty(0) || (surface == 0 && sees_through)) return {};
-    if (surface == 0)
-      return doubtful.inverse_z == kSeesNothing && inside > 0 && several_views ? skin : doubtful;
-    SeenLayered out = certain;
-    out.color = blended / (surface + nothing);
-    return out;
-  }
-};
-
-// The rules are those of warp_surfaces().
-void LayeredTiles::look(const PlacedLayered& placed, const std::array<Gaze, kRow>& gazes,
-                        std::uint32_t wanted, SeenLayered (&shown)[kRow],
-                        bool first_decides) const {
-  std::array<Look, kRow> looks;
-  const auto raster = [&](std::size_t i) { return glm::dvec3(gazes[i].at, 1); };
-  const auto for_bits = [](std::uint32_t bits, const auto& visit) {
-    for (; bits; bits &= bits - 1) visit(std::size_t(std::countr_zero(bits)));
-  };
-  std::uint32_t looking = wanted;
-  for_bits(wanted, [&](std::size_t i) {
-    looks[i].ray = {placed.camera.position(), placed.ray_from_raster * raster(i),
-                    std::max(placed.camera.z_near, gazes[i].begin),
-                    std::min(placed.camera.z_far, gazes[i].end)};
-    if (!bounds_.keep(looks[i].ray)) looking &= ~(1u << i);
-  });
-  const std::uint32_t in_bounds = looking;
-  MarchRays rays;
-  std::array<glm::dvec3, kRow> along;
-  for (int k = 0; k < placed.count && looking; ++k) {
-    const MarchedView& view = placed.views[std::size_t(k)];
-    const Camera& camera = impostor_.pictures[view.view].camera;
-    if (view.weight == 0 || first_decides)
-      for_bits(looking, [&](std::size_t i) {
-        if (looks[i].surface + looks[i].nothing > 0) looking &= ~(1u << i);
-      });
-    rays.wanted = 0;
-    for_bits(looking, [&](std::size_t i) {
-      along[i] = view.per_raster * raster(i);
-      const std::optional<DisparitySegment> segment = disparity_segment_between(
-          camera, view.eye + looks[i].ray.begin * along[i], view.eye + looks[i].ray.end * along[i]);
-      if (!segment) return;
-      rays.wanted |= 1u << i;
-      for (int a = 0; a < 3; ++a)
-        rays.from[a][i] = float(segment->from[a]), rays.to[a][i] = float(segment->to[a]);
-    });
-    march_rays(pictures_[view.view].surface, rays);
-    const float weight = view.weight > 0 ? view.weight : 1.0f;
-    for_bits(looking, [&](std::size_t i) {
-      Look& look = looks[i];
-      const bool behind = rays.passed_behind >> i & 1;
-      if (rays.hit >> i & 1) {
-        const SeenLayered seen = seen_at(placed, view, rays, i, along[i]);
-        if (seen.inverse_z > look.doubtful.inverse_z) look.doubtful = seen;
-        if (behind) return;
-        look.surface += weight;
-        look.blended += weight * seen.color;
-        if (weight > look.heaviest) look.heaviest = weight, look.certain = seen;
-      } else if (!behind) {
-        if (impostor_.complete[view.view]) look.nothing += weight;
-        look.sees_through |= impostor_.sees_through[view.view];
-        if (look.is_empty(view.rest)) looking &= ~(1u << i);
-      } else {
-        const bool outline = rays.passed_outline >> i & 1;
-        look.inside += outline ? -1 : 1;
-        if (!outline && look.skin.inverse_z == kSeesNothing)
-          look.skin = seen_at(placed, view, rays, i, along[i]);
-      }
-    });
-  }
-  for_bits(wanted, [&](std::size_t i) {
-    shown[i] = in_bounds >> i & 1 ? looks[i].shown(placed.count > 1) : SeenLayered{};
-  });
-}
-
-struct LayeredTiles::Centers {
-  TileBits asked, shown;
-  SeenLayered seen[FrameTile::kBlockCount][FrameTile::kBlockPixels];  // where asked for
-  // What the pixels beside the tile show: above, below, left, right.
-  float beside[4][FrameTile::kSize];
-
-  [[nodiscard]] float inverse_z(int x, int y) const {
-    if (y < 0 || y > 63) return beside[y < 0 ? 0 : 1][x];
-    if (x < 0 || x > 63) return beside[x < 0 ? 2 : 3][y];
-    return seen[y / kRow * FrameTile::kBlocks + x / kRow][y % kRow * kRow + x % kRow].inverse_z;
-  }
-  // Where along its rays a pixel of a silhouette shows something, as it and its neighbours do.
-  [[nodiscard]] std::pair<double, double> stretch(const PlacedLayered& placed, int x, int y) const {
-    float farthest = 1e30f, nearest = 0;
-    for (int v = y - 1; v <= y + 1; ++v)
-      for (int u = x - 1; u <= x + 1; ++u)
-        if (shown.has(u, v)) {
-          const float z = inverse_z(u, v);
-          farthest = std::min(farthest, z), nearest = std::max(nearest, z);
-        }
-    return {1 / (double(nearest) * placed.scale) - placed.margin,
-            1 / (double(farthest) * placed.scale) + placed.margin};
-  }
-};
-
-// The pixels beside the tile, next to those asked for: a silhouette may pass along its border. What
-// is nearer there is in another tile, and is not looked for.
-void LayeredTiles::look_beside(const PlacedLayered& placed, const FrameTile& tile,
-                               Centers& centers) const {
-  constexpr int kLast = FrameTile::kSize - 1;
-  for (int side = 0; side < 4; ++side)
-    for (int begin = 0; begin < FrameTile::kSize; begin += kRow) {
-      // Of the k-th: itself if `out` is 1, and its neighbour in the tile if that is 0.
-      const auto place = [&](int k, int out) {
-        const int across = side % 2 == 0 ? -out : kLast + out;
-        return side < 2 ? glm::ivec2(begin + k, across) : glm::ivec2(across, begin + k);
-      };
-      std::uint32_t wanted = 0;
-      std::array<Gaze, kRow> gazes;
-      for (int k = 0; k < kRow; ++k) {
-        const glm::ivec2 within = place(k, 0);
-        const int x = tile.x + place(k, 1).x, y = tile.y + place(k, 1).y;
-        gazes[std::size_t(k)].at = {x + 0.5, y + 0.5};
-        if (centers.asked.has(within.x, within.y) && x >= placed.x0 && x < placed.x1 &&
-            y >= placed.y0 && y < placed.y1)
-          wanted |= 1u << k;
-      }
-      if (!wanted) continue;
-      SeenLayered shown[kRow];
-      look(placed, gazes, wanted, shown);
-      for (int k = 0; k < kRow; ++k) {
-        if (!(wanted >> k & 1)) continue;
-        const glm::ivec2 at = place(k, 1);
-        centers.beside[side][begin + k] = shown[k].inverse_z;
-        centers.asked.set(at.x, at.y);
-        if (shown[k].inverse_z != kSeesNothing) centers.shown.set(at.x, at.y);
-      }
-    }
-}
-
-void LayeredTiles::look_at_centers(const PlacedLayered& placed, const FrameTile& tile, int block,
-                                   Centers& centers) const {
-  const int x0 = block % FrameTile::kBlocks * kRow, y0 = block / FrameTile::kBlocks * kRow;
-  if (tile.x + x0 >= placed.x1 || tile.y + y0 >= placed.y1 || tile.x + x0 + kRow <= placed.x0 ||
-      tile.y + y0 + kRow <= placed.y0)
-    return;
-  for (int row = 0; row < kRow; ++row) {
-    const int y = tile.y + y0 + row;
-    if (y < placed.y0 || y >= placed.y1) continue;
-    std::uint32_t wanted = 0;
-    std::array<Gaze, kRow> gazes;
-    for (int k = 0; k < kRow; ++k) {
-      const int x = tile.x + x0 + k, i = row * kRow + k;
-      float farthest = tile.first[block].inverse_z[i];
-      if (tile.expanded[block])
-        for (const FrameTile::Plane& plane : tile.more[block])
-          farthest = std::min(farthest, plane.inverse_z[i]);
-      gazes[std::size_t(k)].at = {x + 0.5, y + 0.5};
-      if (x >= placed.x0 && x < placed.x1 && placed.nearest > farthest) wanted |= 1u << k;
-    }
-    if (!wanted) continue;
-    SeenLayered shown[kRow];
-    look(placed, gazes, wanted, shown);
-    for (int k = 0; k < kRow; ++k) {
-      if (!(wanted >> k & 1)) continue;
-      centers.seen[block][row * kRow + k] = shown[k];
-      centers.asked.set(x0 + k, y0 + row);
-      if (shown[k].inverse_z != kSeesNothing) centers.shown.set(x0 + k, y0 + row);
-    }
-  }
-}
-
 // All samples of a pixel show what its centre shows. Along silhouettes each sample shows what its
 // own ray meets in the best view, if that covers so much of its texel: elsewhere, what is behind
 // the edge of a texel may be another part of the object, which its picture does not show.
-void LayeredTiles::draw_block(const Centers& centers, const SampledPixels& pixels, FrameTile& tile,
-                              int block) {
+void LayeredTiles::draw_block(const PixelCenters& centers, const SampledPixels& pixels,
+                              FrameTile& tile, int block) {
   const int x0 = block % FrameTile::kBlocks * kRow, y0 = block / FrameTile::kBlocks * kRow;
   for (int i = 0; i < FrameTile::kBlockPixels; ++i) {
     const int x = x0 + i % kRow, y = y0 + i / kRow;
-    if (centers.shown.has(x, y) && !pixels.has(x, y)) write(centers.seen[block][i], tile, block, i);
+    if (centers.shown().has(x, y) && !pixels.has(x, y))
+      write(centers.seen(block, i), tile, block, i);
   }
 }
 
-void LayeredTiles::draw_samples(const PlacedLayered& placed, const Centers& centers,
+void LayeredTiles::draw_samples(const PlacedLayered& placed, const PixelCenters& centers,
                                 SampledPixels& pixels, FrameTile& tile) const {
   const SampledPixels::Pixel* pixel[2];
   while ((pixel[0] = pixels.next()) != nullptr) {
@@ -401,14 +157,14 @@ void LayeredTiles::draw_samples(const PlacedLayered& placed, const Centers& cent
           of.begin, of.end};
     }
     SeenLayered shown[kRow];
-    look(placed, gazes, (1u << count) - 1, shown, true);
+    rays_.look(placed, gazes, (1u << count) - 1, shown, true);
     for (int of = 0; 4 * of < count; ++of) {
       const SampledPixels::Pixel& at = *pixel[of];
-      if (!centers.shown.has(at.x, at.y)) {
+      if (!centers.shown().has(at.x, at.y)) {
         unsigned some = 0;
         for (int s = 0; s < 4; ++s)
           some |= unsigned(shown[4 * of + s].inverse_z != kSeesNothing) << s;
-        pixels.add_beside(at, some, centers.asked, centers.shown);
+        pixels.add_beside(at, some, centers.asked(), centers.shown());
       }
       const TilePixel in_tile(tile, tile.x + at.x, tile.y + at.y);
       for (int s = 0; s < 4; ++s)
@@ -441,19 +197,17 @@ void LayeredTiles::write(const SeenLayered& seen, FrameTile& tile, int block, in
 }
 
 void LayeredTiles::draw_tile(FrameTile& tile) const {
-  static thread_local Centers centers;
+  static thread_local PixelCenters centers;
   static thread_local SampledPixels pixels;
   for (const PlacedLayered& placed : placed_) {
     if (placed.x0 >= tile.x + FrameTile::kSize || placed.x1 <= tile.x ||
         placed.y0 >= tile.y + FrameTile::kSize || placed.y1 <= tile.y)
       continue;
-    centers.asked = centers.shown = {};
-    for (int block = 0; block < FrameTile::kBlockCount; ++block)
-      look_at_centers(placed, tile, block, centers);
+    centers.look(rays_, placed, tile);
     pixels.clear();
     if (tile.samples == 4) {
-      look_beside(placed, tile, centers);
-      const TileBits along = silhouette_pixels(centers.asked, centers.shown);
+      centers.look_beside(rays_, placed, tile);
+      const TileBits along = silhouette_pixels(centers.asked(), centers.shown());
       for (int y = 0; y < FrameTile::kSize; ++y)
         for (std::uint64_t row = along.row[std::size_t(y)]; row; row &= row - 1) {
           const int x = std::countr_zero(row);
