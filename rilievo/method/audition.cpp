@@ -12,6 +12,9 @@
 namespace rilievo {
 namespace {
 
+// Of what was seen of other frames, when one is added: it is added seldom, and the eye goes on.
+constexpr double kRemembered = 0.9;
+
 // The processor time of this thread.
 double thread_ms() {
   timespec at{};
@@ -26,7 +29,7 @@ void FrameLoss::add(const Camera& camera, std::span<const std::uint32_t> objects
   if (shown_.width() != color.width() || shown_.height() != color.height())
     shown_ = Image<std::uint32_t>(color.width(), color.height());
   std::memcpy(shown_.texels().data(), color.texels().data(), color.texels().size_bytes());
-  for (int i = 0; i < times; ++i) loss_.add(camera, objects, shown_);
+  for (int i = 0; i < times; ++i) loss_.add(camera, objects, shown_, i == 0 ? kRemembered : 1);
 }
 
 std::optional<double> FrameLoss::db() const {

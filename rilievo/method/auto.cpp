@@ -30,9 +30,6 @@ constexpr int kFirstKeyframes = 64;
 // are; and what was not good enough is looked at again after so many frames, then twice as many, at
 // most so many: somewhere else it may be.
 constexpr int kLossFrames = 4, kLossFramesOfLevels = 8, kLooksAgain = 80, kLooksAgainAtMost = 1280;
-// Of levels that lose less than this share of what is allowed one frame in so many.
-constexpr double kFarFrom = 0.5;
-constexpr int kLossFramesIfSure = 32;
 // So many times as many pixels of each frame are looked at until the loss is known: a trial is a
 // few frames.
 constexpr int kLossesOfTrial = 4;
@@ -200,9 +197,7 @@ Result<std::optional<double>> AutoFrames::look_at_levels(const Camera& camera, d
   const std::optional<double> unknown;
   const SoftwareTarget* target = active_->software_target();
   if (!target || preparing_ >= 0) return unknown;
-  const bool sure = loss_[kLevels].db && *loss_[kLevels].db <= kFarFrom * options_.loss_db;
-  const bool seldom =
-      !eye_.jumped() && frame_ % (sure ? kLossFramesIfSure : kLossFramesOfLevels) != 0;
+  const bool seldom = !eye_.jumped() && frame_ % kLossFramesOfLevels != 0;
   if (losses_) {
     const bool known = losses_->db().has_value();
     if (known && seldom) return unknown;

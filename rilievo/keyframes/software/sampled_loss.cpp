@@ -3,18 +3,23 @@
 #include <algorithm>
 #include <cmath>
 
+#include "rilievo/core/color.h"
 #include "rilievo/keyframes/warp_keyframes.h"
+#include "rilievo/render/shading/sky_rays.h"
 
 namespace rilievo {
 namespace {
 
 constexpr int kSamples = 4;
-// Of the sums, when a frame is added.
-constexpr double kRemembered = 0.97;
 // Half a byte's step squared in three channels: rounding is no loss.
 constexpr double kRounding = 0.25;
 
 double square(const glm::dvec3& a) { return glm::dot(a, a); }
+
+// Of `count` samples, of which the last component of `sums` counts those that show surfaces.
+glm::dvec3 mean(const glm::ivec4& sums, int count, const glm::dvec3& sky) {
+  return (glm::dvec3(sums) + double(count - sums.w) * sky) / double(count);
+}
 
 }  // namespace
 
@@ -64,7 +69,7 @@ void SampledLoss::cast(const Camera& camera, std::span<const FramePixel> pixels,
 }
 
 void SampledLoss::add(const Camera& camera, std::span<const std::uint32_t> objects,
-                      const Image<std::uint32_t>& shown) {
+                      const Image<std::uint32_t>& shown, double remembered) {
   pixels_.clear();
   const auto next = [&] { return (random_ = random_ * 1664525u + 1013904223u) >> 8; };
   for (int i = 0; i < kPixels; ++i) {
@@ -97,7 +102,15 @@ void SampledLoss::add(const Camera& camera, std::span<const std::uint32_t> objec
     from = to;
   }
   cast(fine, parts_, objects, true_sums_);
-  for (double* sum : {&shown_, &direct_, &counted_, &surfaces_}) *sum *= kRemembered;
+  const SkyRays sky_rays(camera);
+  const auto sky_bytes = [&](int x, int y) {
+    const glm::vec3 color = sky_rays.radiance(sky_, x, camera.height - 1 - y);
+    glm::dvec3 bytes;
+    for (int c = 0; c < 3; ++c)
+      bytes[c] = std::round(255 * srgb_from_linear(std::clamp(color[c], 0.0f, 1.0f)));
+    return bytes;
+  };
+  for (double* sum : {&shown_, &direct_, &counted_, &surfaces_}) *sum *= remembered;
   for (std::size_t from = 0, part = 0; from < pixels_.size();) {
     std::size_t to = from;
     while (to < pixels_.size() && pixels_[to].y == pixels_[from].y) ++to;
@@ -107,17 +120,15 @@ void SampledLoss::add(const Camera& camera, std::span<const std::uint32_t> objec
       const glm::ivec4 all =
           true_sums_[first] + true_sums_[first + 1] + true_sums_[second] + true_sums_[second + 1];
       const glm::ivec4& few = direct_sums_[i];
-      // Where nothing but the sky is, it is taken to be the same in all.
-      if (all.w == 0 && few.w == 0) ++counted_;
-      if (all.w < 4 * kSamples || few.w < kSamples) continue;
-      const glm::dvec3 truth = glm::dvec3(all) / double(all.w);
-      const double of_direct = square(glm::dvec3(few) / double(few.w) - truth);
+      const glm::dvec3 sky = sky_bytes(pixels_[i].x, pixels_[i].y);
+      const glm::dvec3 truth = mean(all, 4 * kSamples, sky);
+      const double of_direct = square(mean(few, kSamples, sky) - truth);
       const std::uint32_t seen = shown(pixels_[i].x, pixels_[i].y);
       shown_ += seen == 0 || seen == kCoveredPixel
                     ? of_direct
                     : square(glm::dvec3(seen & 255, seen >> 8 & 255, seen >> 16 & 255) - truth);
       direct_ += of_direct;
-      ++counted_, ++surfaces_;
+      ++counted_, surfaces_ += all.w > 0;
     }
     part += 4 * in_row;
     from = to;

@@ -8,8 +8,8 @@
 //
 // which is PSNR of direct drawing less that of the frames; direct drawing's counts as 48.1 dB at
 // most, a mean difference of one step of a byte, which is not seen. Holes are filled as direct
-// drawing would; pixels of which some samples show nothing do not count. Frames are forgotten after
-// some dozens of others. The same pixels of the same frames in every run.
+// drawing would; samples that show nothing show the sky. Frames are forgotten after some others.
+// The same pixels of the same frames in every run.
 #pragma once
 
 #include <cstdint>
@@ -19,6 +19,7 @@
 #include "rilievo/core/camera.h"
 #include "rilievo/core/image.h"
 #include "rilievo/render/rays/cast_pixels.h"
+#include "rilievo/scene/scene.h"
 
 namespace rilievo {
 
@@ -29,16 +30,18 @@ class SampledLoss {
   static constexpr int kPixels = 256, kEnough = 1500;
   // ... and how many of these must show surfaces.
   static constexpr int kEnoughSurfaces = 300;
+  // Of the sums, when a frame is added: some dozens of frames.
+  static constexpr double kRemembered = 0.97;
   // A mean difference of one step of each of three bytes, squared: it is not seen.
   static constexpr double kUnseen = 3;
 
   // `rays`, of the scene, must outlive the object.
-  explicit SampledLoss(const RayScene& rays) : caster_(rays) {}
+  explicit SampledLoss(const RayScene& rays) : sky_(rays.scene().sky), caster_(rays) {}
 
   // A frame was warped, of `objects` and nothing else. `shown`: its colours, as WarpedFrame's; what
-  // is covered counts as direct drawing.
+  // is covered counts as direct drawing. `remembered`: the share of the sums that is kept.
   void add(const Camera& camera, std::span<const std::uint32_t> objects,
-           const Image<std::uint32_t>& shown);
+           const Image<std::uint32_t>& shown, double remembered = kRemembered);
   void forget() { shown_ = direct_ = counted_ = surfaces_ = 0; }
 
   [[nodiscard]] bool known() const { return counted_ >= kEnough && surfaces_ >= kEnoughSurfaces; }
@@ -52,6 +55,7 @@ class SampledLoss {
   void cast(const Camera& camera, std::span<const FramePixel> pixels,
             std::span<const std::uint32_t> objects, std::vector<glm::ivec4>& sums);
 
+  Sky sky_;
   PixelCaster caster_;
   SeenTriangles seen_;
   std::uint32_t random_ = 1;

@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
 #include <memory>
+#include <numeric>
 #include <optional>
 #include <vector>
 
@@ -44,6 +46,25 @@ Image<std::uint32_t> warped_as(const Rgba8Image& frame) {
   return colors;
 }
 
+// n x n squares in a plane that faces z, 2 apart, of half sides `half`.
+Scene squares(int n, float half) {
+  Scene scene;
+  Mesh& mesh = scene.meshes.emplace_back();
+  for (int i = 0; i < n * n; ++i) {
+    const glm::vec3 middle(2 * (i % n) - n + 1, 2 * (i / n) - n + 1, 0);
+    const auto first = std::uint32_t(mesh.positions.size());
+    for (const glm::vec2 corner : {glm::vec2(-1, -1), {1, -1}, {1, 1}, {-1, 1}})
+      mesh.positions.push_back(middle + half * glm::vec3(corner, 0));
+    for (const std::uint32_t k : {0, 1, 2, 0, 2, 3}) mesh.indices.push_back(first + k);
+  }
+  mesh.normals.assign(mesh.positions.size(), {0, 0, 1});
+  scene.models.resize(1);
+  scene.models[0].parts = {{0, glm::mat4(1)}};
+  scene.objects.resize(1);
+  finish(scene);
+  return scene;
+}
+
 class SampledLossTest : public ::testing::Test {
  protected:
   static constexpr int kWidth = 128, kHeight = 96;
@@ -51,11 +72,16 @@ class SampledLossTest : public ::testing::Test {
   void SetUp() override {
     auto built = make_builtin("builtin:bridge?triangles=100000");
     ASSERT_TRUE(built.ok());
-    scene_ = std::move(built->scene), path_ = built->path;
+    path_ = built->path;
+    use(std::move(built->scene));
+  }
+  void use(Scene scene) {
+    scene_ = std::move(scene);
     Result<RayScene> rays = RayScene::create(scene_);
     ASSERT_TRUE(rays.ok());
     rays_.emplace(std::move(*rays));
-    for (std::uint32_t i = 0; i < scene_.objects.size(); ++i) objects_.push_back(i);
+    objects_.resize(scene_.objects.size());
+    std::iota(objects_.begin(), objects_.end(), 0);
   }
   Rgba8Image draw(const Camera& camera, int scale) {
     SoftwareBackend backend(scene_, 4);
@@ -76,6 +102,8 @@ class SampledLossTest : public ::testing::Test {
       }
     return half;
   }
+
+  void expect_ratio_of_whole_frames(const std::function<Camera(int)>& camera_of, double within_db);
 
   Scene scene_;
   CameraPath path_;
@@ -103,13 +131,14 @@ TEST_F(SampledLossTest, holes_are_filled_and_lose_nothing) {
   EXPECT_EQ(loss.loss_db(), 0);
 }
 
-TEST_F(SampledLossTest, it_is_the_ratio_of_the_whole_frames_errors) {
+// Of frames that are a pixel off; `camera_of` has the i-th.
+void SampledLossTest::expect_ratio_of_whole_frames(const std::function<Camera(int)>& camera_of,
+                                                   double within_db) {
   SampledLoss loss(*rays_);
   double direct = 0, shown = 0;
   for (int i = 0; i < 40; ++i) {
-    const Camera camera = camera_at(path_, frame_time(path_, 2 * i), kWidth, kHeight);
+    const Camera camera = camera_of(i);
     const Rgba8Image truth = halved(draw(camera, 2)), of_direct = draw(camera, 1);
-    // Frames that are a pixel off.
     Rgba8Image off = of_direct;
     for (int y = 0; y < kHeight; ++y)
       for (int x = 1; x < kWidth; ++x) off(x, y) = of_direct(x - 1, y);
@@ -117,27 +146,32 @@ TEST_F(SampledLossTest, it_is_the_ratio_of_the_whole_frames_errors) {
     loss.add(camera, objects_, warped_as(off));
   }
   ASSERT_TRUE(loss.known());
-  // Some 3000 pixels, most of whose errors are at edges: a hundred or two of them count.
-  EXPECT_NEAR(loss.loss_db(), 10 * std::log10(shown / direct), 1.5);
+  EXPECT_NEAR(loss.loss_db(), 10 * std::log10(shown / direct), within_db);
   loss.forget();
   EXPECT_FALSE(loss.known());
+}
+
+TEST_F(SampledLossTest, it_is_the_ratio_of_the_whole_frames_errors) {
+  // Some 3000 pixels, most of whose errors are at edges: a hundred or two of them count.
+  expect_ratio_of_whole_frames(
+      [&](int i) { return camera_at(path_, frame_time(path_, 2 * i), kWidth, kHeight); }, 1.5);
+}
+
+TEST_F(SampledLossTest, edges_before_the_sky_count) {
+  use(squares(16, 0.5f));
+  // All errors are there, in a quarter of the pixels.
+  expect_ratio_of_whole_frames(
+      [&](int i) {
+        const double x = 0.1 * i;
+        return look_at({x, 0.7 * x, 20}, {x, 0.3 * x, 0}, {0, 1, 0}, 0.8, kWidth, kHeight, 1, 200);
+      },
+      0.5);
 }
 
 // Direct drawing of a wall of one colour is true: what frames lose is then over what is not seen,
 // and rounding. By steps of k in three channels that is 10 log10( (3 k^2 + r) / (3 + r) ).
 TEST_F(SampledLossTest, what_nobody_sees_is_the_least_that_direct_drawing_is_off_by) {
-  Scene wall;
-  wall.meshes.resize(1);
-  wall.meshes[0].positions = {{-9, -9, 0}, {9, -9, 0}, {9, 9, 0}, {-9, 9, 0}};
-  wall.meshes[0].normals.assign(4, {0, 0, 1});
-  wall.meshes[0].indices = {0, 1, 2, 0, 2, 3};
-  wall.models.resize(1);
-  wall.models[0].parts = {{0, glm::mat4(1)}};
-  wall.objects.resize(1);
-  finish(wall);
-  scene_ = std::move(wall);
-  const Result<RayScene> rays = RayScene::create(scene_);
-  ASSERT_TRUE(rays.ok());
+  use(squares(1, 9));
   const Camera camera = look_at({0, 0, 100}, {0, 0, 0}, {0, 1, 0}, 0.02, kWidth, kHeight, 1, 200);
   const Rgba8Image own = draw(camera, 1);
   for (const int steps : {0, 1, 2, 5}) {
@@ -145,7 +179,7 @@ TEST_F(SampledLossTest, what_nobody_sees_is_the_least_that_direct_drawing_is_off
     for (glm::u8vec4& color : off.texels())
       for (int c = 0; c < 3; ++c)
         color[c] = std::uint8_t(color[c] > 128 ? color[c] - steps : color[c] + steps);
-    SampledLoss loss(*rays);
+    SampledLoss loss(*rays_);
     const std::uint32_t objects[] = {0};
     for (int i = 0; i < 20; ++i) loss.add(camera, objects, warped_as(off));
     ASSERT_TRUE(loss.known());
