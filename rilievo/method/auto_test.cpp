@@ -146,7 +146,7 @@ TEST_F(AutoTest, where_direct_drawing_takes_long_keyframes_begin_if_they_are_goo
   auto built = make_builtin("builtin:stonehenge?triangles=200000");
   ASSERT_TRUE(built.ok());
   SoftwareBackend backend(built->scene, 4);
-  for (const double loss_db : {1000.0, -1000.0}) {
+  for (const double loss_db : {1000.0, 0.0}) {
     MethodOptions options{.by_clock = true};
     options.loss_db = loss_db;
     const Result<Method> made = make_method("auto", options, backend);
