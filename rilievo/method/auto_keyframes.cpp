@@ -1,5 +1,6 @@
 #include "rilievo/method/auto_keyframes.h"
 
+#include <algorithm>
 #include <iterator>
 #include <utility>
 
@@ -12,6 +13,8 @@ namespace {
 constexpr int kParts = 3;
 // For an eye that stands there is no second keyframe.
 constexpr int kMostFrames = 160;
+// Steps after which those of long ago count for nothing.
+constexpr int kSettles = 48;
 // Places on the way from the first keyframe to the second one: in the middle both are the farthest.
 constexpr double kMiddle = 0.5, kLookedAt[] = {0.25, kMiddle};
 // So many times SampledLoss looks at what the first one shows alone.
@@ -22,7 +25,7 @@ constexpr int kLooksAtFirst = 8;
 void SharedEye::post(const EyePrediction& eye, double time) {
   {
     const std::lock_guard lock(mutex_);
-    posted_ = {eye, time};
+    posted_ = {eye, time, posted_ ? posted_->frames + 1 : 1};
   }
   changed_.notify_all();
 }
@@ -47,23 +50,30 @@ void SharedEye::end() {
   changed_.notify_all();
 }
 
+std::vector<double> way_to_frame(int frames, int parts, bool anew) {
+  const double step = std::min(anew ? 1 : frames, parts) / double(parts);
+  std::vector<double> way;
+  for (int i = parts + (anew ? kSettles : std::max(frames - parts, 0)) - 1; i >= 0; --i)
+    way.push_back(-i * step);
+  return way;
+}
+
 Result<> prepare_keyframes(SharedEye& eye, KeyframeFrames& frames, int goes_on) {
-  for (int frame = 0; frame < goes_on; ++frame) {
+  const int most = goes_on > 0 ? goes_on : kMostFrames, parts = goes_on > 0 ? 1 : kParts;
+  bool anew = goes_on == 0;
+  for (int frame = 0; frame < most && (anew || goes_on > 0 || !frames.prepared()); ++frame) {
     const std::optional<SharedEye::Posted> posted = eye.next();
     if (!posted) return Done{};
-    if (Result<> done = frames.prepare(posted->eye.after(0), posted->time, false); !done)
-      return done;
-  }
-  if (goes_on > 0) return Done{};
-  // What makes keyframes takes each part for a frame: the eye goes on by a part of its step.
-  bool anew = true;
-  for (int frame = 0; frame < kMostFrames && (anew || !frames.prepared()); ++frame) {
-    const std::optional<SharedEye::Posted> posted = eye.next();
-    if (!posted) return Done{};
-    for (int part = 1; part <= kParts && (anew || !frames.prepared()); ++part) {
-      const Camera camera = posted->eye.after(double(part - kParts) / kParts);
+    const std::vector<double> way = way_to_frame(posted->frames, parts, anew);
+    for (std::size_t i = 0; i < way.size(); ++i) {
+      const Camera camera = posted->eye.after(way[i]);
+      if (i + std::size_t(parts) < way.size()) {
+        frames.follow(camera, posted->time);
+        continue;
+      }
       if (Result<> done = frames.prepare(camera, posted->time, anew); !done) return done;
       anew = false;
+      if (goes_on == 0 && frames.prepared()) break;
     }
   }
   return Done{};

@@ -6,6 +6,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <vector>
 
 #include "rilievo/keyframes/eye_prediction.h"
 #include "rilievo/keyframes/software/keyframe_frames.h"
@@ -19,6 +20,7 @@ class SharedEye {
   struct Posted {
     EyePrediction eye;
     double time = 0;
+    int frames = 1;  // since the last one that was taken
   };
 
   // A frame was drawn.
@@ -41,6 +43,12 @@ class SharedEye {
 // that `frames` has are of an eye some time ago. Or, if it `goes_on` with them, for so many frames,
 // as much as these would make. Fails where a capture does.
 [[nodiscard]] Result<> prepare_keyframes(SharedEye& eye, KeyframeFrames& frames, int goes_on = 0);
+
+// Where the eye was, in frames before the one that is shown, `frames` after the last one that was
+// taken: places that keyframes follow, and in the last `parts` of which they are made. They predict
+// the eye by its mean step, for dozens of steps: so it takes no larger ones where frames go by, nor
+// where the last one was long ago (`anew`).
+[[nodiscard]] std::vector<double> way_to_frame(int frames, int parts, bool anew);
 
 // Keyframes to begin with.
 struct BegunKeyframes {

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "rilievo/scene/builtin/builtin.h"
 
 namespace rilievo {
@@ -28,6 +30,47 @@ TEST(AutoKeyframes, where_the_first_one_alone_loses_too_much_the_second_one_is_n
     EXPECT_EQ(begun->frames > 0, most_db > 0);
     // The frames go on from what there is.
     EXPECT_TRUE((*frames)->draw(camera(2), 0).ok());
+  }
+}
+
+TEST(AutoKeyframes, an_eye_tells_how_many_frames_nobody_took) {
+  SharedEye shared;
+  for (const int frames : {1, 3, 2}) {
+    for (int i = 0; i < frames; ++i) shared.post({}, 0);
+    EXPECT_EQ(shared.next()->frames, frames);
+  }
+  shared.post({}, 0);
+  shared.forget();
+  shared.post({}, 0);
+  EXPECT_EQ(shared.next()->frames, 1);
+}
+
+// Keyframes are made for an eye some steps ahead; if a frame that was missed were a step of their
+// own they would be made for one as many times as far.
+TEST(AutoKeyframes, frames_that_go_by_send_no_keyframe_farther_ahead) {
+  constexpr int kParts = 3, kAhead = 60;
+  const auto camera = [](double frame) {
+    return look_at({0.01 * frame, 2, 30}, {0.01 * frame, 2, 0}, {0, 1, 0}, 1, 160, 90, 1, 200);
+  };
+  EyePrediction predicted;
+  for (int frame = 0; frame < 40; ++frame) predicted.follow(camera(-900 + 9 * frame));
+  int now = 0;
+  for (const int frames : {1, 7, 1, 2, 40, 3, 5}) {
+    now += frames;
+    const bool anew = frames == now;
+    double last = -HUGE_VAL;
+    for (const double at : way_to_frame(frames, kParts, anew)) {
+      EXPECT_GT(at, last);
+      if (!anew) {
+        EXPECT_GT(at, -frames);
+      }
+      last = at;
+      predicted.follow(camera(now + at));
+    }
+    EXPECT_EQ(last, 0);
+    const double ahead = (predicted.after(kAhead).position().x - camera(now).position().x) / 0.01;
+    EXPECT_LT(ahead, 1.05 * kAhead) << now;
+    EXPECT_GT(ahead, kAhead / 3.0 - 1) << now;
   }
 }
 
