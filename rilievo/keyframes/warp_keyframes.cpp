@@ -25,11 +25,13 @@ struct Reach {
 };
 
 // Where texels of columns [from_x, to_x] and rows [from_y, to_y] go with depths of a range: x' and
-// y' are ratios of affine functions, so that their extremes are at corners. `slack`: half of the
-// largest square, and rounding.
-Reach reach_of(const RasterMap& map, float from_x, float to_x, float from_y, float to_y,
-               const InverseRange& range, float slack) {
+// y' are ratios of affine functions, so that their extremes are at corners; and so is the largest
+// square, half of which is added, and rounding.
+Reach reach_of(const WarpSource& source, float from_x, float to_x, float from_y, float to_y,
+               const InverseRange& range) {
+  const RasterMap& map = source.to_frame;
   Reach out;
+  float least_z = INFINITY;
   for (int i = 0; i < (from_y == to_y ? 4 : 8); ++i) {
     const float x = i & 1 ? to_x : from_x, y = i & 4 ? to_y : from_y;
     const float w = i & 2 ? range.nearest : range.farthest;
@@ -37,21 +39,19 @@ Reach reach_of(const RasterMap& map, float from_x, float to_x, float from_y, flo
     const float z = row(map.z);
     if (!(z > 1e-6f)) return {-INFINITY, INFINITY, -INFINITY, INFINITY};
     const float at_x = row(map.x) / z, at_y = row(map.y) / z;
-    out.x0 = std::min(out.x0, at_x - slack), out.x1 = std::max(out.x1, at_x + slack);
-    out.y0 = std::min(out.y0, at_y - slack), out.y1 = std::max(out.y1, at_y + slack);
+    out.x0 = std::min(out.x0, at_x), out.x1 = std::max(out.x1, at_x);
+    out.y0 = std::min(out.y0, at_y), out.y1 = std::max(out.y1, at_y);
+    least_z = std::min(least_z, z);
   }
-  return out;
-}
-
-// Half of the largest square of a texel, and rounding.
-float slack_of(const WarpSource& source) {
-  return kHalfSquare * std::max(1.0f, kMostMagnified * std::max(1.0f, source.pixels_per_texel)) + 1;
+  const float magnified =
+      std::min(std::max(source.pixels_per_texel / least_z, 1.0f), largest_square(source));
+  const float slack = kHalfSquare * magnified + 1;
+  return {out.x0 - slack, out.x1 + slack, out.y0 - slack, out.y1 + slack};
 }
 
 // The reach of each block.
 void find_reaches(const WarpSource& source, std::vector<Reach>& reaches) {
   const Keyframe& key = *source.keyframe;
-  const float slack = slack_of(source);
   reaches.clear();
   for (int by = 0; by < key.blocks.height(); ++by)
     for (int bx = 0; bx < key.blocks.width(); ++bx) {
@@ -60,8 +60,8 @@ void find_reaches(const WarpSource& source, std::vector<Reach>& reaches) {
       const int to = std::min(from + Keyframe::kColumns, key.camera.width),
                 bottom = std::min(top + Keyframe::kRows, key.camera.height);
       reaches.push_back(range.empty() ? Reach{}
-                                      : reach_of(source.to_frame, float(from), float(to),
-                                                 float(top), float(bottom), range, slack));
+                                      : reach_of(source, float(from), float(to), float(top),
+                                                 float(bottom), range));
     }
 }
 
@@ -69,7 +69,6 @@ void splat_strip(const WarpSource& source, std::span<const Reach> reaches, float
                  const DepthStrip& strip) {
   const Keyframe& key = *source.keyframe;
   const float low = float(strip.first - 1), high = float(strip.first + strip.rows + 1);
-  const float slack = slack_of(source);
   const int width = key.camera.width, height = key.camera.height;
   for (int by = 0; by < key.blocks.height(); ++by)
     for (int bx = 0; bx < key.blocks.width(); ++bx) {
@@ -82,7 +81,7 @@ void splat_strip(const WarpSource& source, std::span<const Reach> reaches, float
         const InverseRange& of_row = key.segments(bx, y);
         if (of_row.empty()) continue;
         const float at = float(y) + 0.5f;
-        if (inside || reach_of(source.to_frame, float(from), float(to), at, at, of_row, slack)
+        if (inside || reach_of(source, float(from), float(to), at, at, of_row)
                           .meets(low, high, float(strip.width)))
           splat_row(source, y, from, to, near, strip);
       }

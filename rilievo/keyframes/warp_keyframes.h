@@ -72,8 +72,11 @@ inline constexpr int kTexelWeights = 256, kLeastShown = 64, kAllShown = 250;
 inline constexpr int kOtherQuarterShift = 3;
 // Half of the side of a texel's square, in texels: a little more than half, against cracks.
 inline constexpr float kHalfSquare = 0.55f;
-// Texels do not grow by more. What is so much nearer than at capture has been left behind.
+// A surface whose texels have grown by more, because the eye came so much nearer to it, is not
+// shown by them: it is a hole, unless another keyframe shows it.
 inline constexpr float kMostMagnified = 4;
+// They hide what is behind them all the same, up to squares that are so many times as large.
+inline constexpr float kLargestSquare = 64;
 
 // The colour of a pixel, of depth 0, that is not warped because something else covers it.
 inline constexpr std::uint32_t kCoveredPixel = 0x01000000u;

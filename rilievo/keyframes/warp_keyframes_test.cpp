@@ -64,6 +64,7 @@ float apply(const float (&row)[4], float x, float y, float w) {
 struct Slow {
   struct Lookup {
     float r = 0, g = 0, b = 0, weight = 0, cover = 0, front = 0, own = 0;
+    bool too_near = false;
   };
   std::span<const WarpedKeyframe> keys;
   Camera frame;
@@ -91,7 +92,7 @@ struct Slow {
         const float qx = apply(map.x, px, py, w) * per_z - 0.5f,
                     qy = apply(map.y, px, py, w) * per_z - 0.5f;
         const float half = kHalfSquare * std::min(std::max(per_z * texel, 1.0f),
-                                                  kMostMagnified * std::max(1.0f, texel));
+                                                  kLargestSquare * std::max(1.0f, texel));
         // Rows above and below the frame count as neighbours, columns beside it do not.
         const int top = std::max(-1, int(std::clamp(qy - half, -2.0f, 1e6f))),
                   left = std::max(0, int(std::clamp(qx - half, -2.0f, 1e6f)));
@@ -131,6 +132,10 @@ struct Slow {
         if (!(z > 1e-6f && qx >= 0 && qy >= 0 && qx < float(finer * key.camera.width - 1) &&
               qy < float(finer * key.camera.height - 1)))
           continue;
+        if (z > kMostMagnified) {
+          found.too_near = true;
+          continue;
+        }
         const int ix = int(qx), iy = int(qy);
         const float ax = qx - float(ix), ay = qy - float(iy), there = w * per_z;
         int shown = 0, sure = 0, known = 0, front = 0, r = 0, g = 0, b = 0;
@@ -189,7 +194,8 @@ struct Slow {
         const Lookup nearer = find(px, py, front, edge || front > 0);
         Lookup farther;
         if (edge) farther = find(px, py, back, true);
-        const bool behind = farther.cover > kLeastShown;
+        const bool left_behind = nearer.too_near && nearer.cover <= kLeastShown;
+        const bool behind = !left_behind && farther.cover > kLeastShown;
         if (!behind && !(nearer.cover > kLeastShown && (edge || nearer.own > 0))) continue;
         const float covers = nearer.front / (nearer.weight > 0 ? nearer.weight : 1);
         const float part = behind ? std::min(covers * (1.0f / (8 * kTexelWeights)), 1.0f) : 1.0f;
@@ -278,6 +284,40 @@ TEST(WarpKeyframes, HiddenObjectsAreShownAgain) {
                                  [](const InverseRange& a, const InverseRange& b) {
                                    return a.nearest == b.nearest && a.farthest == b.farthest;
                                  }));
+}
+
+TEST(WarpKeyframes, AnEyeThatCameTooNearSeesHolesAndNotWhatIsBehind) {
+  const Camera at = look_at(glm::dvec3(0), {0, 0, -1}, {0, 1, 0}, 1, 100, 80, 0.01, 100);
+  Keyframe key;
+  resize(key, at, false);
+  // A wall 40 m away, and before it a board, 2 m away and 10 texels wide and high, which is
+  // slanted, so that its texels' depths differ.
+  std::ranges::fill(key.inverse_z.texels(), 1 / 40.0f);
+  std::ranges::fill(key.color.texels(), kWholeTexel | 0x0000ffu);
+  for (int y = 35; y < 45; ++y)
+    for (int x = 45; x < 55; ++x)
+      key.inverse_z(x, y) = 0.5f - 0.004f * float(x - 45), key.color(x, y) = kWholeTexel;
+  find_ranges(key, 0, at.width);
+  for (const double times : {2.0, 3.9, 4.1, 6.0, 20.0}) {
+    Camera frame = at;
+    frame.world_from_eye[3].z = -2 + 2 / times;
+    WarpedFrame out;
+    const WarpedKeyframe one{&key, 1};
+    warp_keyframes({&one, 1}, frame, out);
+    // Well within the board, of which the right end is farthest away and grows least.
+    const double least = 2.15 / (2 / times + 0.15);
+    const int half = std::max(1, int(std::min(5 * least, 40.0)) - 2);
+    for (int y = 40 - half; y < 40 + half; ++y)
+      for (int x = 50 - half; x < 50 + half; ++x) {
+        const std::uint32_t color = out.color(x, y);
+        if (times < kMostMagnified)
+          ASSERT_EQ(color, kOpaque) << times << " " << x;
+        else if (least > kMostMagnified)
+          ASSERT_EQ(color, 0) << times << " " << x;
+        else
+          ASSERT_TRUE(color == 0 || color == kOpaque) << times << " " << x;
+      }
+  }
 }
 
 TEST(WarpKeyframes, AtItsOwnEyeAKeyframeIsItself) {

@@ -7,6 +7,8 @@
 struct Found {
   VF r, g, b, weight, cover, front;
   VF own;  // of quarters that show the surface: the most of all keyframes
+  // A keyframe may show the surface, with texels that are too large by now (kMostMagnified).
+  Mask too_near;
 };
 
 // The four quarters, or texels, around each place: upper left, upper right, and below; and the
@@ -168,7 +170,7 @@ HWY_INLINE Found find(const WarpSource* sources, int count, VF px, float py, VF 
   const U u32;
   const VF one = number(1);
   const VF zero = hn::Zero(f);
-  Found found{zero, zero, zero, zero, zero, zero, zero};
+  Found found{zero, zero, zero, zero, zero, zero, zero, hn::Gt(zero, zero)};
   for (int k = 0; k < count; ++k) {
     const WarpSource& source = sources[k];
     const Keyframe& key = *source.keyframe;
@@ -188,7 +190,10 @@ HWY_INLINE Found find(const WarpSource* sources, int count, VF px, float py, VF 
     const VF qy = hn::Sub(hn::Mul(along_y.at(px, w), scaled), number(0.5f));
     const Mask right = hn::And(hn::Ge(qx, hn::Zero(f)), hn::Lt(qx, number(float(columns - 1))));
     const Mask below = hn::And(hn::Ge(qy, hn::Zero(f)), hn::Lt(qy, number(float(rows - 1))));
-    const Mask within = hn::And(hn::And(wanted, hn::Gt(z, number(1e-6f))), hn::And(right, below));
+    const Mask seen = hn::And(hn::And(wanted, hn::Gt(z, number(1e-6f))), hn::And(right, below));
+    const Mask too_near = hn::Gt(z, number(kMostMagnified));
+    found.too_near = hn::Or(found.too_near, hn::And(seen, too_near));
+    const Mask within = hn::AndNot(too_near, seen);
     if (hn::AllFalse(f, within)) continue;
     const VF x_floor = hn::Floor(qx), y_floor = hn::Floor(qy);
     const VF ax = hn::Sub(qx, x_floor), ay = hn::Sub(qy, y_floor);

@@ -56,7 +56,7 @@ void splat(const WarpSource& source, int y, int from, int to, float near, const 
   const Along along_x(source.to_frame.x, py), along_y(source.to_frame.y, py),
       along_z(source.to_frame.z, py);
   const float* const depths = source.keyframe->inverse_z.row(y).data();
-  const VF most = number(kMostMagnified * std::max(1.0f, source.pixels_per_texel));
+  const VF most = number(largest_square(source));
   const int first = out.first - 1, last = out.first + out.rows;
   alignas(64) std::int32_t places[kMaxLanes], wides[kMaxLanes], highs[kMaxLanes];
   alignas(64) float inverse_z[kMaxLanes];
@@ -193,13 +193,16 @@ std::uint32_t shade(const WarpSource* sources, int count, const DepthStrip& stri
     // one just before it, which is no edge.
     const Mask mixes = hn::Or(edge, hn::Gt(front, zero));
     const Found nearer = find(sources, count, px, py, front, mixes);
+    const Mask known = hn::Gt(nearer.cover, least);
+    // In front is what an eye has come too near to. Nothing behind it is seen.
+    const Mask left_behind = hn::AndNot(known, nearer.too_near);
     // Shown as a whole where it is no edge.
-    Mask shown = hn::And(hn::Gt(nearer.cover, least), hn::Or(edge, hn::Gt(nearer.own, zero)));
+    Mask shown = hn::And(known, hn::Or(edge, hn::Gt(nearer.own, zero)));
     VF part = hn::IfThenElseZero(shown, one), w = front;
-    Found sum{zero, zero, zero, zero, zero, zero, zero};
+    Found sum{zero, zero, zero, zero, zero, zero, zero, left_behind};
     if (!hn::AllFalse(f, edge)) {
       const Found farther = find(sources, count, px, py, back, edge);
-      const Mask behind = hn::And(edge, hn::Gt(farther.cover, least));
+      const Mask behind = hn::AndNot(left_behind, hn::And(edge, hn::Gt(farther.cover, least)));
       // Without anything behind, the surface in front is all there is.
       const VF covers =
           hn::Div(nearer.front, select(hn::Gt(nearer.weight, zero), nearer.weight, one));

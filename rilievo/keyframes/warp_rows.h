@@ -1,6 +1,7 @@
 // The SIMD passes of keyframes/warp_keyframes.h. Internal: not a stable interface.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 
@@ -16,6 +17,11 @@ struct WarpSource {
   bool spare = false;          // these come last
   float pixels_per_texel = 1;  // of what has the same depth in both
 };
+
+// The side of the largest square of a texel, pixels.
+inline float largest_square(const WarpSource& source) {
+  return kLargestSquare * std::max(1.0f, source.pixels_per_texel);
+}
 
 // Depths of rows [first, first + rows) of a frame, with a border of one pixel on each side.
 struct DepthStrip {
