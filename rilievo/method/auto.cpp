@@ -186,8 +186,18 @@ void AutoFrames::forget_loss_of_levels() {
 
 // Are its frames as near to the truth as polygons, or as can be seen?
 bool AutoFrames::looks_exact(int method) const {
-  const Loss& of = loss_[method];
-  return method == kDirect || method == kRays || (method != kCache && of.db && *of.db <= 0);
+  const std::optional<double>& db = method == kCache ? cache_loss_ : loss_[method].db;
+  return method == kDirect || method == kRays || (db && *db <= 0);
+}
+
+// From what was shown last to another method, or to levels of another error.
+void AutoFrames::begin_fade(int to) {
+  int frames = FrameFade::kFrames;
+  if (looks_exact(drawn_by_) && looks_exact(to)) frames = FrameFade::kFewFrames;
+  // As after a trial that failed.
+  if (fade_.goes_on() && to == fades_out_) frames = std::min(frames, fade_.mixed());
+  fade_.begin(*shown_, shown_camera_, frames);
+  fades_out_ = drawn_by_;
 }
 
 // By rays, or by polygons in a scene that rays do not know. Often until it is known, since the one
@@ -271,10 +281,7 @@ Result<> AutoFrames::draw(const Camera& camera, double time) {
   if (opengl && timed) backend_.finish();
   // By counts the methods are direct drawing and the cache, whose frames keep to what they say.
   const bool changes = std::exchange(refined_, false) || choice.draws != drawn_by_;
-  const bool differs_little = looks_exact(drawn_by_) && looks_exact(choice.draws);
-  if (options_.by_clock && frame_ > 1 && changes && shown_)
-    fade_.begin(*shown_, shown_camera_,
-                differs_little ? FrameFade::kFewFrames : FrameFade::kFrames);
+  if (options_.by_clock && frame_ > 1 && changes && shown_) begin_fade(choice.draws);
   drawn_by_ = choice.draws;
   shared_chooser_->use_cache(choice.draws == kCache);
   active_ = frames_[choice.draws == kCache ? kDirect : choice.draws].get();

@@ -113,6 +113,7 @@ class AutoFrames final : public FrameSource {
   [[nodiscard]] Result<std::optional<double>> look_at_levels(const Camera& camera, double time);
   void prepare(int method, int goes_on = 0);
   [[nodiscard]] bool as_large_as_shown(const Camera& camera) const;
+  void begin_fade(int to);
   void fade(const Camera& camera);
   void show(const Camera& camera, double time, int drawn_by);
   void look_at_prepared();
@@ -140,6 +141,7 @@ class AutoFrames final : public FrameSource {
   AutoLevels levels_;        // of frames_[kLevels]
   FrameSource* active_ = nullptr;
   FrameFade fade_;                         // from another method's frames
+  int fades_out_ = -1;                     // that method
   const SoftwareTarget* shown_ = nullptr;  // the last frame; null: no software drew it
   Camera shown_camera_;
   bool refined_ = false;  // levels draw with a smaller error from the next frame on

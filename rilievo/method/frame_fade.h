@@ -21,7 +21,7 @@ class FrameFade final : private TileDrawer {
   static constexpr int kFrames = 8;
   // Where both methods are measured to be as near to the truth as can be seen: a small part of the
   // frame may still differ.
-  static constexpr int kFewFrames = 2;
+  static constexpr int kFewFrames = 4;
 
   // Takes the memory for frames of this size now, so that no fade does.
   void reserve(int width, int height);
@@ -30,6 +30,9 @@ class FrameFade final : private TileDrawer {
   void begin(const SoftwareTarget& shown, const Camera& camera, int frames = kFrames);
   void end() { left_ = 0; }
   [[nodiscard]] bool goes_on() const { return left_ > 0; }
+  // The frames that were mixed. What fades out is nearly all that they show after a few: to fade
+  // back takes no more frames than that.
+  [[nodiscard]] int mixed() const { return of_ - left_; }
 
   // The next frame, which must be of the same size. Requires goes_on().
   void mix(const SoftwareTarget& frame, const Camera& camera);

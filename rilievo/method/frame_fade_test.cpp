@@ -108,6 +108,27 @@ TEST_F(FrameFadeTest, of_few_frames_each_is_a_larger_step) {
   EXPECT_FALSE(fade.goes_on());
 }
 
+// To what fades out: by steps that are no larger than those of the fade.
+TEST_F(FrameFadeTest, back_again_takes_the_frames_that_were_mixed) {
+  const SoftwareTarget& now = draw(0, 0);
+  const SoftwareTarget old = darker(now);
+  const double all = mean_difference(old.color(), now.color());
+  FrameFade fade;
+  fade.begin(old, camera(0));
+  EXPECT_EQ(fade.mixed(), 0);
+  for (int i = 1; i <= 3; ++i) {
+    fade.mix(now, camera(0));
+    EXPECT_EQ(fade.mixed(), i);
+  }
+  fade.begin(fade.target(), camera(0), fade.mixed());
+  for (const double left : {3.0 / 4, 2.0 / 4, 1.0 / 4}) {
+    fade.mix(old, camera(0));
+    const double shown = all * left * 3 / (FrameFade::kFrames + 1);
+    EXPECT_NEAR(mean_difference(fade.target().color(), old.color()), shown, 0.03 * all);
+  }
+  EXPECT_FALSE(fade.goes_on());
+}
+
 class RolledFadeTest : public FrameFadeTest, public ::testing::WithParamInterface<double> {};
 
 // Of an eye that rolls a row's pixels lie in several rows of the old frame.
