@@ -7,6 +7,7 @@
 
 #include "rilievo/layered_relief/relief_bound.h"
 #include "rilievo/layered_relief/relief_kind.h"
+#include "rilievo/layered_relief/soften_silhouettes.h"
 
 namespace rilievo {
 namespace {
@@ -171,7 +172,11 @@ class ReliefDrawable final : public Drawable {
     const Camera& capture = whole_.geometry.capture;
     const double texel_px = focal * (capture.window.right - capture.window.left) / capture.width;
     const int level = relief_level(texel_px, double(stats_.texel_px));
-    if (level > 0) halve_prewarped(whole_, level, halved_, scratch_);
+    // Halves have the mean of what is covered.
+    if (level > 0)
+      halve_prewarped(whole_, level, halved_, scratch_);
+    else if (!colors_.reliefs[index].perspective())
+      soften_silhouettes(whole_);
     const Prewarped& result = level > 0 ? halved_ : whole_;
     for (const PicturePiece& piece : pieces_of(result.width(), result.height(), kLargestPiece)) {
       const std::optional<PrewarpedBoard> board = boards_.place(piece.width, piece.height);

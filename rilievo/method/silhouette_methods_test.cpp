@@ -16,7 +16,8 @@ TEST_P(SilhouetteMethods, pixels_along_a_silhouette_are_mixed) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, SilhouetteMethods,
-                         testing::Values("direct", "layered-impostor", "relief-impostor"));
+                         testing::Values("direct", "environment-nodes", "layered-impostor",
+                                         "layered-relief", "nailboard", "relief-impostor"));
 
 }  // namespace
 }  // namespace rilievo
