@@ -31,8 +31,9 @@ void covered_across(const Prewarped& picture, int y, std::vector<std::uint8_t>& 
   for (std::size_t x = 0; x < width; ++x) to[x] = std::uint8_t(delta[x] != kUncovered);
   covered[0] = to[0], to[width] = to[width - 1];
   const std::uint8_t* const from = covered.data();
+  std::uint8_t* const out = sums.data();  // the compiler need not look where it is for each texel
   for (std::size_t x = 0; x < width; ++x)
-    sums[x] = std::uint8_t(from[x] + 2 * from[x + 1] + from[x + 2]);
+    out[x] = std::uint8_t(from[x] + 2 * from[x + 1] + from[x + 2]);
 }
 
 // A colour's `sum` of 16 shares, two channels at once: 16 bits hold 16 times a byte.
@@ -55,8 +56,8 @@ void soften_silhouettes(Prewarped& picture) {
   const int rows_each = std::max(1, kSoftenedTexels / std::max(1, picture.width()));
   parallel_for(0, (height + rows_each - 1) / rows_each, [&](int strip) {
     static thread_local Rows rows;  // kept: a steady frame allocates nothing
-    std::vector<std::uint8_t>& sums = rows.sums;
-    sums.resize(width);
+    rows.sums.resize(width);
+    std::uint8_t* const sums = rows.sums.data();
     const int first = strip * rows_each, end = std::min(first + rows_each, height);
     const auto across = [&](int y) -> std::vector<std::uint8_t>& {
       return rows.across[std::size_t(y - first + 3) % 3];
@@ -76,7 +77,7 @@ void soften_silhouettes(Prewarped& picture) {
         return eight == value * std::uint64_t(0x0101010101010101);
       };
       for (std::size_t x = 0; x < width; x += kAtOnce) {
-        if (x + kAtOnce <= width && (all_are(own + x, 0) || all_are(&sums[x], kAllCovered)))
+        if (x + kAtOnce <= width && (all_are(own + x, 0) || all_are(sums + x, kAllCovered)))
           continue;
         const std::size_t count = std::min(kAtOnce, width - x);
         std::uint32_t some[kAtOnce];
