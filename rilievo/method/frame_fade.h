@@ -21,7 +21,7 @@ class FrameFade final : private TileDrawer {
   static constexpr int kFrames = 8;
   // Where both methods are measured to be as near to the truth as can be seen: a small part of the
   // frame may still differ.
-  static constexpr int kFewFrames = 4;
+  static constexpr int kFewFrames = 2;
 
   // Takes the memory for frames of this size now, so that no fade does.
   void reserve(int width, int height);
