@@ -36,6 +36,9 @@ struct Camera {
   ImageWindow window;
   double z_near = 0.1, z_far = 100.0;  // distances along -z, 0 < z_near < z_far
   int width = 1, height = 1;           // texels
+  // Of a picture with several texels for each pixel of the frames that will show it: so many to a
+  // side. Lines and points of n pixels are as many times n texels wide.
+  float texels_per_pixel = 1;
 
   // The eye, or the apex of a back-perspective camera. World space.
   [[nodiscard]] glm::dvec3 position() const { return glm::dvec3(world_from_eye[3]); }

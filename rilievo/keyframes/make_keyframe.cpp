@@ -102,6 +102,7 @@ static_assert(2 * (kMostColumns + 2) <= Keyframe::kMostRows);
 Camera band_of(const Camera& camera, int from, int to, int scale) {
   Camera band = camera_of_part(camera, from, 0, to - from, camera.height);
   band.width *= scale, band.height *= scale;
+  band.texels_per_pixel *= float(scale);
   return band;
 }
 

@@ -54,6 +54,44 @@ void expect_ranges(const Keyframe& key) {
     }
 }
 
+// A line of a pixel is a texel wide, which is two quarters, wherever it lies between texels.
+TEST(MakeKeyframe, LinesAreAsWideAsInFrames) {
+  Scene scene;
+  Mesh mesh;
+  mesh.primitive = Primitive::lines;
+  mesh.positions = {{0, -5, 0}, {0, 5, 0}};
+  mesh.indices = {0, 1};
+  mesh.material = 0;
+  Material& red = scene.materials.emplace_back();
+  red.base_color = {1, 0, 0, 1}, red.unlit = true;
+  scene.meshes.push_back(mesh);
+  scene.models.emplace_back().parts = {Part{0}};
+  scene.objects.emplace_back();
+  finish(scene);
+  PlacedScene placed(scene);
+  RasterSource source(placed);
+  for (const bool in_parts : {true, false}) {
+    for (int i = 0; i < 8; ++i) {
+      const Camera camera =
+          look_at({0.01 * i, 0, 4}, {0.01 * i, 0, 0}, {0, 1, 0}, 0.9, 60, 40, 0.1, 100);
+      // Sixteen samples are never captured in parts.
+      const auto key = make_keyframe(source, {camera, {}, in_parts ? 4 : 16});
+      ASSERT_TRUE(key);
+      ASSERT_TRUE(key->quarters());
+      for (int y = 0; y < 80; ++y) {
+        int wide = 0;
+        for (int x = 0; x < 120; ++x) {
+          const std::uint32_t color = key->color(x, y);
+          wide += (color & 255) > (color >> 8 & 255) + 16;
+        }
+        // Of four samples a quarter, those at the line's sides are hit in part.
+        EXPECT_GE(wide, 2) << y;
+        EXPECT_LE(wide, 3) << y;
+      }
+    }
+  }
+}
+
 TEST(MakeKeyframe, ShowsWhatTheSourceCaptures) {
   MakerStage stage;
   const Camera camera = keyframe_camera(stage.frame, 1.2);

@@ -79,7 +79,8 @@ struct SceneRenderer::State {
   void upload_lights(const Camera& camera);
   void upload_instances();
   void draw_list(const Camera& camera, unsigned extra_features, bool farthest = false);
-  void draw_mesh(const GpuMesh& mesh, const Batch& batch, GLuint program) const;
+  void draw_mesh(const GpuMesh& mesh, const Batch& batch, GLuint program,
+                 float texels_per_pixel) const;
   void draw_ranges(const Camera& camera, std::span<const CrossFade> ranges, unsigned features);
 };
 
@@ -202,12 +203,12 @@ void SceneRenderer::State::draw_list(const Camera& camera, unsigned extra_featur
     }
     // Seen from an apex behind the object, the faces that the viewer sees are the ones turned away.
     glCullFace(batch.mirrored != camera.keeps_farthest() ? GL_FRONT : GL_BACK);
-    draw_mesh(mesh, batch, bound_program);
+    draw_mesh(mesh, batch, bound_program, camera.texels_per_pixel);
   }
 }
 
-void SceneRenderer::State::draw_mesh(const GpuMesh& mesh, const Batch& batch,
-                                     GLuint program) const {
+void SceneRenderer::State::draw_mesh(const GpuMesh& mesh, const Batch& batch, GLuint program,
+                                     float texels_per_pixel) const {
   if (mesh.primitive == Primitive::triangles) {
     glBindVertexArray(gpu.vertex_array);
     glDrawElementsInstancedBaseVertexBaseInstance(
@@ -217,7 +218,8 @@ void SceneRenderer::State::draw_mesh(const GpuMesh& mesh, const Batch& batch,
     return;
   }
   glBindVertexArray(gpu.stroke_array);
-  glUniform1f(glGetUniformLocation(program, "stroke_radius_px"), 0.5f * mesh.width_px);
+  glUniform1f(glGetUniformLocation(program, "stroke_radius_px"),
+              0.5f * mesh.width_px * texels_per_pixel);
   const GLsizei corners = GLsizei(corners_of(mesh.primitive)), all = mesh.primitives * corners;
   for (GLsizei first = 0; first < all; first += kStrokeChunk) {
     const GLsizei count = std::min(kStrokeChunk, all - first);

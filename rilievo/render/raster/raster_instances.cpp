@@ -9,7 +9,7 @@ RasterStrokes make_strokes(const Camera& camera, const Mesh& mesh,
   const auto& [left, right, bottom, top] = camera.window;
   RasterStrokes strokes;
   strokes.radius = float(0.5 * double(mesh.width) * smallest_stretch(relative_from_mesh));
-  strokes.radius_px = 0.5f * mesh.width_px;
+  strokes.radius_px = 0.5f * mesh.width_px * camera.texels_per_pixel;
   strokes.per_unit = {camera.width / (right - left), camera.height / (top - bottom)};
   strokes.corner = {left, bottom};
   strokes.parallel = camera.projection == Projection::parallel;
