@@ -42,8 +42,9 @@ namespace rilievo {
 
 class LineProcess;
 
-// Called about each second while a program is waited for, in the thread that asks: for "bounds" or
-// a "picture", and for how many seconds; 0: no longer.
+// Called about each second while a program is waited for, in the thread that asks, which may be
+// another than the source's maker: for "bounds" or a "picture", and for how many seconds; 0: no
+// longer.
 using ExecWaits = std::function<void(std::string_view what, int seconds)>;
 
 // How the program is run.

@@ -1,6 +1,7 @@
 #include "rilievo/capture/shaders/exec_source.h"
 
 #include <gtest/gtest.h>
+#include <pthread.h>
 
 #include <algorithm>
 #include <chrono>
@@ -198,6 +199,20 @@ TEST_F(ExecSourceTest, a_program_that_never_answers_is_late_and_killed) {
   ASSERT_TRUE(slow.ok()) << slow.error().message();
   EXPECT_EQ((*slow)->capture({.camera = camera_}).error().reason,
             "has not answered within 0.05 s, asked for a picture");
+}
+
+TEST_F(ExecSourceTest, without_room_for_a_thread_it_is_not_started) {
+  pthread_attr_t before, huge;
+  ASSERT_EQ(pthread_getattr_default_np(&before), 0);
+  ASSERT_EQ(pthread_getattr_default_np(&huge), 0);
+  ASSERT_EQ(pthread_attr_setstacksize(&huge, std::size_t(1) << 47), 0);
+  ASSERT_EQ(pthread_setattr_default_np(&huge), 0);
+  const auto process = LineProcess::start("/bin/cat", {});
+  ASSERT_EQ(pthread_setattr_default_np(&before), 0);
+  pthread_attr_destroy(&before);
+  pthread_attr_destroy(&huge);
+  ASSERT_FALSE(process.ok());
+  EXPECT_EQ(process.error().reason.find("cannot be started: "), 0u) << process.error().reason;
 }
 
 TEST_F(ExecSourceTest, it_says_each_second_what_it_waits_for_and_when_it_has_it) {

@@ -4,7 +4,7 @@
 // error is ours. It is started without a shell, leads a process group of its own, and is killed
 // with that group when the object goes, and by core/started_programs.h; the kernel kills it,
 // without that group, when our process ends in any other way. No signal reaches the caller when the
-// program dies. One thread at a time. Internal to relief_impostor.
+// program dies. One thread at a time. Internal to capture.
 #pragma once
 
 #include <sys/types.h>
@@ -17,6 +17,7 @@
 #include <string>
 #include <string_view>
 #include <thread>
+#include <utility>
 
 #include "rilievo/core/descriptor.h"
 #include "rilievo/core/result.h"

@@ -7,7 +7,7 @@
 // Roughness keeps its meaning there: the share of the hemisphere's light in the mirrored one, not a
 // wider cone. Glass (Material::transmission) refracts by Snell's law, reflects by Fresnel's
 // formula, and lets light through to what it shadows, straight on. Blended parts are glass that
-// does not bend light. Internal to relief_impostor; any thread.
+// does not bend light. Internal to capture; any thread.
 #pragma once
 
 #include <cstdint>

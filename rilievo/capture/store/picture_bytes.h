@@ -2,7 +2,7 @@
 //
 // Little-endian, no gaps: "RLVP", version, width, height, projection, kind of depth, has objects,
 // size of the name; the camera in doubles; the name; colours, depths, objects as floats and
-// integers. Internal to relief_impostor. Pure; any thread.
+// integers. Internal to capture. Pure; any thread.
 #pragma once
 
 #include <cstddef>
