@@ -72,6 +72,7 @@ class Reader {
   // Which model a mesh has become, bent by a skin and weights, and by the curve of a node if these
   // are kept; -1: none, it has no triangles.
   std::map<std::tuple<int, int, std::vector<float>, int>, int> models_;
+  std::map<int, bool> moved_skins_;  // does the animation move a joint? Of those asked for
   std::vector<glm::dvec3> offsets_;  // of each model: was subtracted from its positions
   std::vector<int> rig_nodes_;       // by the document's, or -1
   std::vector<std::vector<std::size_t>> rig_channels_;  // by the document's node
@@ -234,9 +235,12 @@ bool Reader::bends_by_time(int node, int skin) {
   if (!(animation_.duration > 0)) return false;
   if (track_of(node)) return true;
   if (skin < 0) return false;
-  return std::ranges::any_of(joints_of(skin), [&](const SkinJoint& joint) {
-    return bool(posed_.animated[std::size_t(joint.node)]);
-  });
+  const auto [known, fresh] = moved_skins_.try_emplace(skin, false);
+  const JsonValue joints = document_.root()["skins"][std::size_t(skin)]["joints"];
+  for (std::size_t i = 0; fresh && i < joints.size(); ++i)
+    if (posed_.animated[std::size_t(joints[i].required_index(tree_.nodes.size()))])
+      known->second = true;
+  return known->second;
 }
 
 // The parts of a deformation that a primitive does not have.
