@@ -33,8 +33,6 @@
 namespace rilievo::app {
 namespace {
 
-bool runs_program(std::string_view source) { return !program_named(source).empty(); }
-
 // Is it a scene that we read? Otherwise it may be the program's own.
 bool is_our_scene(const std::string& scene) {
   if (is_builtin(scene)) return true;
@@ -142,9 +140,11 @@ Result<> BakeSource::open_slow(State& state, const std::string& scene, const Fil
     ExecOptions exec;
     exec.world = own.world;
     exec.unmix = !ours;
-    // Nobody waits beside a bake, whose machines may be cold and whose scenes are a film's.
-    exec.limit_s = 24 * 3600;
-    exec.start_limit_s = 3600;
+    if (!options.waited_for) {
+      // Machines may be cold, and scenes a film's.
+      exec.limit_s = 24 * 3600;
+      exec.start_limit_s = 3600;
+    }
     // A bake shows by itself which picture it waits for.
     if (const auto waits = waiting_for(options.source))
       exec.waits = [waits](std::string_view what, int seconds) {
@@ -208,8 +208,8 @@ Result<> BakeSource::open_slow(State& state, const std::string& scene, const Fil
 Result<BakeSource> BakeSource::open(const std::string& scene, const FileLimits& limits,
                                     const SourceOptions& options) {
   auto state = std::make_unique<State>();
-  const bool our_scene =
-      !is_capture(scene) && !(runs_program(options.source) && !is_our_scene(scene));
+  const bool programs_own = !program_named(options.source).empty() && !is_our_scene(scene);
+  const bool our_scene = !is_capture(scene) && !programs_own;
   if (!our_scene && !(options.only.empty() && options.without.empty()))
     return Error{options.only.empty() ? "--without" : "--only",
                  "is for scenes whose objects are known, and " + scene + " is none"};
@@ -221,7 +221,7 @@ Result<BakeSource> BakeSource::open(const std::string& scene, const FileLimits& 
     state->source = std::make_unique<PhotographSource>(std::move(*source));
     return BakeSource(std::move(state));
   }
-  if (runs_program(options.source) && !is_our_scene(scene)) {
+  if (programs_own) {
     if (Result<> none = expect_no_units(scene, limits); !none) return none.error();
     if (Result<> opened = open_slow(*state, scene, limits, options); !opened) return opened.error();
     return BakeSource(std::move(state));

@@ -28,6 +28,7 @@ struct SourceOptions {
   std::vector<std::string> only, without;  // names of objects; both empty: all
   std::string program_scene;               // what a program opens instead of the scene
   std::optional<DepthKind> depth_kind;     // of a program's pictures; none: found out
+  bool waited_for = false;  // somebody sits there: a program has minutes to answer, not hours
   // Where pictures of slow sources are kept; must outlive the source. Null: nowhere.
   PictureKeeper* keeper = nullptr;
   // Gets what is wrong with that; otherwise it is a warning.

@@ -34,7 +34,7 @@ namespace {
 
 struct ServeCommand {
   std::string scene, path_file;
-  SourceOptions source{.source = "raster"};
+  SourceOptions source{.source = "raster", .waited_for = true};
   FileLimits limits;
   LiveServerOptions server{.port = 8080, .ends_by_signal = true};
   int kept_mb = 256;
