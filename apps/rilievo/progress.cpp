@@ -1,20 +1,46 @@
 #include "apps/rilievo/progress.h"
 
 #include <fmt/format.h>
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <cstdio>
+#include <mutex>
 #include <nlohmann/json.hpp>
 #include <utility>
 
 #include "apps/rilievo/output.h"
 #include "apps/rilievo/printable.h"
+#include "apps/rilievo/waiting_text.h"
 
 namespace rilievo::app {
 namespace {
 
 // A time left that is shorter is not shown.
 constexpr double kWorthSaying_s = 5;
+
+// The line of the terminal, of all threads.
+struct Line {
+  std::mutex mutex;
+  std::string progress;  // is shown again when something else no longer is
+};
+
+Line& the_line() {
+  static Line line;
+  return line;
+}
+
+// With the mutex held.
+void rewrite_line(const std::string& text) {
+  std::fputs(("\r" + text + "\033[K").c_str(), stderr);
+  std::fflush(stderr);
+}
+
+// 0: unknown.
+std::size_t terminal_columns() {
+  winsize size{};
+  return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 ? size.ws_col : 0;
+}
 
 }  // namespace
 
@@ -54,17 +80,19 @@ void Progress::show(int done, int total, int quick) {
   shown_ = true;
   const std::string rest =
       left && *left >= kWorthSaying_s ? ", " + duration_text(*left) + " left" : "";
-  std::fputs(fmt::format("\r{} {}/{}{}\033[K", what_, done, total, rest).c_str(), stderr);
-  std::fflush(stderr);
+  Line& line = the_line();
+  const std::lock_guard lock(line.mutex);
+  line.progress = fmt::format("{} {}/{}{}", what_, done, total, rest);
+  rewrite_line(line.progress);
 }
 
 std::function<void(std::string_view, int)> waiting_for(const std::string& program) {
   if (isatty(STDERR_FILENO) != 1) return {};
   return [name = printable(program)](std::string_view what, int seconds) {
-    const std::string line =
-        seconds > 0 ? fmt::format("{}: waiting for its {}, {} s", name, what, seconds) : "";
-    std::fputs(("\r" + line + "\033[K").c_str(), stderr);
-    std::fflush(stderr);
+    Line& line = the_line();
+    const std::lock_guard lock(line.mutex);
+    rewrite_line(seconds > 0 ? waiting_text(name, what, seconds, terminal_columns())
+                             : line.progress);
   };
 }
 
@@ -80,8 +108,12 @@ void show_written(const std::string& file, const std::string& what, double secon
 }
 
 void Progress::clear() {
-  if (shown_) std::fputs("\r\033[K", stderr);
+  if (!shown_) return;
   shown_ = false;
+  Line& line = the_line();
+  const std::lock_guard lock(line.mutex);
+  line.progress.clear();
+  rewrite_line("");
 }
 
 Progress::~Progress() { clear(); }

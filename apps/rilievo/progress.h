@@ -36,7 +36,8 @@ class Progress {
   int done_at_start_ = 0;
 };
 
-// Shows in such a line, on a terminal, that a program is waited for; null elsewhere.
+// Shows in such a line, on a terminal, that a program is waited for; null elsewhere. Any thread may
+// call it.
 [[nodiscard]] std::function<void(std::string_view what, int seconds)> waiting_for(
     const std::string& program);
 
