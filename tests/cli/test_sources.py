@@ -8,6 +8,7 @@ import json
 import os
 import pathlib
 import random
+import select
 import shutil
 import signal
 import subprocess
@@ -95,6 +96,16 @@ def ends(number, within_s=60):
     return False
 
 
+def kill_silent(number):
+    """Kills a process of the silent program, unless the number is another's by now."""
+    try:
+        command_line = pathlib.Path(f"/proc/{number}/cmdline").read_bytes()
+        if b"/silent\0" in command_line or command_line == b"sleep\x001000\0":
+            os.kill(number, signal.SIGKILL)
+    except OSError:
+        pass
+
+
 class Case(command.Case):
     def setUp(self):
         super().setUp()
@@ -163,19 +174,32 @@ class Sources(Case):
                      "--draw", "software", "-o", str(self.folder / "frames")],
                     stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=theirs)
                 os.close(theirs)
+                self.addCleanup(os.close, ours)
+                self.addCleanup(running.wait)
+                self.addCleanup(running.kill)
                 said = b""
                 while b"waiting for its bounds, 1 s" not in said:
+                    self.assertTrue(select.select([ours], [], [], command.TIMEOUT_S)[0], said)
                     said += os.read(ours, 4096)
                 self.assertIn(f"exec:{program}".encode(), said)
+                started = self.silent_programs(2)
                 running.send_signal(end)
                 self.assertEqual(running.wait(command.TIMEOUT_S), -end)
-                os.close(ours)
                 # SIGKILL lets nobody tidy up: the kernel kills the program, not what it has started.
-                started = [int(number) for number in self.log.read_text().split()]
                 for number in started[:1 if end == signal.SIGKILL else 2]:
                     self.assertTrue(ends(number), f"{number} is left after {end!r}")
-                if end == signal.SIGKILL:
-                    os.kill(started[1], signal.SIGKILL)
+
+    def silent_programs(self, count, within_s=60):
+        """The process ids in the log, once there are so many; they are killed at the end."""
+        until = time.monotonic() + within_s
+        numbers = []
+        while len(numbers) < count and time.monotonic() < until:
+            time.sleep(0.05)
+            numbers = self.log.read_text().split() if self.log.exists() else []
+        self.assertEqual(len(numbers), count, "the program has not started all")
+        for number in numbers:
+            self.addCleanup(kill_silent, int(number))
+        return [int(number) for number in numbers]
 
     def test_frames_by_the_clock_do_not_wait_for_slow_sources(self):
         made = []
