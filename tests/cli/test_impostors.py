@@ -125,8 +125,8 @@ class Impostors(command.Case):
 
     def test_bad_input_ends_in_one_line_and_leaves_no_file(self):
         out = self.folder / "out"
-        nowhere = self.folder / "no" / "store.db"
         other = self.write("other.db", "not a store of pictures at all, but a text" * 40)
+        nowhere = other / "store.db"
         for arguments, named in (
                 (("--objects", "spout"), "spout"),
                 (("--shader", "raymarch"), "raymarch"),
@@ -135,7 +135,7 @@ class Impostors(command.Case):
                 (("--shader", "exec:/no/such/program"), "program"),
                 (("--workers", "0"), "--workers"),
                 (("--impostor-texels", "2000"), "--impostor-texels"),
-                (("--store", nowhere), "store.db"),
+                (("--store", nowhere), "other.db"),
                 (("--store", other), "other.db")):
             with self.subTest(arguments):
                 self.refused(("render", TEAPOTS, *METHOD[:2], *self.walk, *arguments, "-o", out), named)
