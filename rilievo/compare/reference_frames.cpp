@@ -41,6 +41,7 @@ Camera part_of(const Camera& frame, int across, int down, int parts) {
   const int columns = (frame.width + parts - 1) / parts, rows = (frame.height + parts - 1) / parts;
   Camera camera = camera_of_part(frame, across * columns, down * rows, columns, rows);
   camera.width *= parts, camera.height *= parts;
+  camera.texels_per_pixel *= float(parts);
   return camera;
 }
 

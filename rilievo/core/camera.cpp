@@ -171,6 +171,8 @@ Result<> validate(const Camera& camera) {
   const auto& [l, r, b, t] = camera.window;
   for (double v : {l, r, b, t, camera.z_near, camera.z_far})
     if (!std::isfinite(v)) return Error{"camera", "the frustum is not finite"};
+  if (!(std::isfinite(camera.texels_per_pixel) && camera.texels_per_pixel > 0))
+    return Error{"camera", "the number of texels of a pixel is not positive"};
   if (!(l < r) || !(b < t)) return Error{"camera", "the image window is empty"};
   if (!(0 < camera.z_near && camera.z_near < camera.z_far))
     return Error{"camera", "z_near and z_far do not satisfy 0 < z_near < z_far"};

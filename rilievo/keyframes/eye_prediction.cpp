@@ -65,8 +65,10 @@ Camera EyePrediction::after(double frames) const {
   glm::dmat3 axes(last_.world_from_eye);
   const double angle = glm::length(turn_);
   if (angle > 1e-9) {
-    const double turning = kTurningFrames * (1 - std::exp(-frames / kTurningFrames));
-    const double all = std::min(angle * turning, kMostTurn);
+    // Before now it turned as it does.
+    const double turning =
+        frames < 0 ? frames : kTurningFrames * (1 - std::exp(-frames / kTurningFrames));
+    const double all = std::clamp(angle * turning, -kMostTurn, kMostTurn);
     axes = glm::mat3_cast(glm::angleAxis(all, turn_ / angle)) * axes;
     // Rigid, whatever rounding did.
     axes[2] = glm::normalize(axes[2]);

@@ -13,7 +13,7 @@ namespace rilievo {
 namespace {
 
 // Of what was seen of other frames, when one is added: it is added seldom, and the eye goes on.
-constexpr double kRemembered = 0.9;
+constexpr double kRememberedFrames = 0.9;
 
 // The processor time of this thread.
 double thread_ms() {
@@ -29,7 +29,8 @@ void FrameLoss::add(const Camera& camera, std::span<const std::uint32_t> objects
   if (shown_.width() != color.width() || shown_.height() != color.height())
     shown_ = Image<std::uint32_t>(color.width(), color.height());
   std::memcpy(shown_.texels().data(), color.texels().data(), color.texels().size_bytes());
-  for (int i = 0; i < times; ++i) loss_.add(camera, objects, shown_, i == 0 ? kRemembered : 1);
+  for (int i = 0; i < times; ++i)
+    loss_.add(camera, objects, shown_, i == 0 ? kRememberedFrames : 1);
 }
 
 std::optional<double> FrameLoss::db() const {

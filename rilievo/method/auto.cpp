@@ -199,10 +199,13 @@ bool AutoFrames::looks_exact(int method) const {
 void AutoFrames::begin_fade(int to) {
   int frames = FrameFade::kFrames;
   if (looks_exact(drawn_by_) && looks_exact(to)) frames = FrameFade::kFewFrames;
-  // As after a trial that failed.
-  if (fade_.goes_on() && to == fades_out_) frames = std::min(frames, fade_.mixed());
+  // Back, as after a trial that failed; not on to a third picture.
+  const bool within = fade_.goes_on();
+  if (within && to == fades_out_ && to != drawn_by_)
+    frames = std::min(frames, std::max(fade_.mixed(), 1));
   fade_.begin(*shown_, shown_camera_, frames);
-  fades_out_ = drawn_by_;
+  // What fades out now is a mix of two.
+  fades_out_ = within ? -1 : drawn_by_;
 }
 
 // By rays, or by polygons in a scene that rays do not know. Often until it is known, since the one
@@ -272,7 +275,8 @@ Result<> AutoFrames::draw(const Camera& camera, double time) {
   // What was seen of them was elsewhere.
   if (eye_.jumped() && drawn_by_ == kKeyframes)
     loss_[kKeyframes].db.reset(), keyframes_->forget_loss();
-  if (eye_.jumped()) cheap_ = false;
+  // What the cache lost was measured elsewhere, too.
+  if (eye_.jumped()) cheap_ = false, cache_loss_.reset();
   const bool first = frame_ == begun_in_;
   if (!first && std::exchange(begins_with_keyframes_, false))
     if (Result<> begun = begin_keyframes_ahead(time); !begun) return begun;
@@ -343,6 +347,7 @@ bool AutoFrames::keep_keyframes(const Camera& camera, double time, const AutoCho
 void AutoFrames::follow(const MethodOptions& options) {
   const bool other_error = options_.error_px != options.error_px;
   options_.error_px = options.error_px;
+  if (other_error) cache_loss_.reset();
   if (other_error && levels_.chooser) {
     follow_error(options_.error_px, levels_);
     forget_levels();

@@ -50,7 +50,9 @@ TEST(AutoKeyframes, an_eye_tells_how_many_frames_nobody_took) {
 TEST(AutoKeyframes, frames_that_go_by_send_no_keyframe_farther_ahead) {
   constexpr int kParts = 3, kAhead = 60;
   const auto camera = [](double frame) {
-    return look_at({0.01 * frame, 2, 30}, {0.01 * frame, 2, 0}, {0, 1, 0}, 1, 160, 90, 1, 200);
+    // It turns a little, too: by at most 0.2 rad.
+    return look_at({0.01 * frame, 2, 30}, {0.01 * frame + 6 * std::sin(0.005 * frame), 2, 0},
+                   {0, 1, 0}, 1, 160, 90, 1, 200);
   };
   EyePrediction predicted;
   for (int frame = 0; frame < 40; ++frame) predicted.follow(camera(-900 + 9 * frame));
@@ -68,6 +70,9 @@ TEST(AutoKeyframes, frames_that_go_by_send_no_keyframe_farther_ahead) {
       predicted.follow(camera(now + at));
     }
     EXPECT_EQ(last, 0);
+    // Where the eye was 20 frames ago, as far as it can know.
+    const Camera before = predicted.after(-20);
+    EXPECT_GT(glm::dot(before.forward(), camera(now - 20).forward()), std::cos(0.1)) << now;
     const double ahead = (predicted.after(kAhead).position().x - camera(now).position().x) / 0.01;
     EXPECT_LT(ahead, 1.05 * kAhead) << now;
     EXPECT_GT(ahead, kAhead / 3.0 - 1) << now;

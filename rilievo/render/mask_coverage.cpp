@@ -5,8 +5,10 @@
 #include <cmath>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "rilievo/core/expects.h"
+#include "rilievo/core/parallel_for.h"
 #include "rilievo/scene/scene.h"
 
 namespace rilievo {
@@ -17,11 +19,11 @@ constexpr int kOpaqueMask = 16 * 255;  // the weights of a bilinear sample are w
 // How many samples of a level have an alpha, in units of 1 / kOpaqueMask.
 using Histogram = std::array<std::int64_t, std::size_t(kOpaqueMask) + 1>;
 
-// Of what bilinear interpolation gives at four places in each texel, a quarter of a texel from its
-// centre: what a frame reads, not the texels themselves.
-Histogram histogram_of(std::span<const glm::u8vec4> texels, int width, int height) {
-  Histogram count{};
-  for (int y = 0; y < height; ++y)
+// Adds rows [first, end): what bilinear interpolation gives at four places in each texel, a quarter
+// of a texel from its centre. That is what a frame reads, not the texels themselves.
+void add_rows(std::span<const glm::u8vec4> texels, int width, int height, int first, int end,
+              Histogram& count) {
+  for (int y = first; y < end; ++y)
     for (int x = 0; x < width; ++x) {
       const auto alpha = [&](int i, int j) {
         return int(texels[std::size_t(std::clamp(j, 0, height - 1)) * std::size_t(width) +
@@ -33,6 +35,18 @@ Histogram histogram_of(std::span<const glm::u8vec4> texels, int width, int heigh
           ++count[std::size_t(9 * alpha(x, y) + 3 * alpha(x + across, y) + 3 * alpha(x, y + down) +
                               alpha(x + across, y + down))];
     }
+}
+
+Histogram histogram_of(std::span<const glm::u8vec4> texels, int width, int height) {
+  constexpr int kParts = 16;
+  std::vector<Histogram> counts(kParts);
+  parallel_for(0, kParts, [&](int i) {
+    add_rows(texels, width, height, int(std::int64_t(height) * i / kParts),
+             int(std::int64_t(height) * (i + 1) / kParts), counts[std::size_t(i)]);
+  });
+  Histogram count{};
+  for (const Histogram& part : counts)
+    for (std::size_t alpha = 0; alpha < count.size(); ++alpha) count[alpha] += part[alpha];
   return count;
 }
 
@@ -82,8 +96,10 @@ MipChain build_mask_mip_chain(const Rgba8Image& texture, bool srgb, float thresh
     const Histogram count = histogram_of(own, level.width, level.height);
     const double here = threshold_for(count, 4 * std::int64_t(own.size()), share);
     const double factor = double(threshold) * kOpaqueMask / std::max(here, 0.5);
+    // Rounded down where less is to pass: else all of what is opaque passes a threshold of 1.
+    const double round = factor < 1 ? 0 : 0.5;
     for (glm::u8vec4& texel : own)
-      texel.a = std::uint8_t(std::min(255.0, std::floor(double(texel.a) * factor + 0.5)));
+      texel.a = std::uint8_t(std::min(255.0, std::floor(double(texel.a) * factor + round)));
   }
   return chain;
 }

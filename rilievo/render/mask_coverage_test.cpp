@@ -101,6 +101,14 @@ TEST(MaskCoverage, sparse_leaves_stay_at_every_size_that_can_hold_them) {
     EXPECT_NEAR(passing_share(level_of(kept, l), 0.5), share, 0.1 * share) << l;
 }
 
+TEST(MaskCoverage, a_threshold_of_one_can_pass_nothing) {
+  // One opaque texel of 64: of the last level, which is one texel, nothing is nearer than all.
+  Rgba8Image image(8, 8);
+  for (glm::u8vec4& texel : image.texels()) texel = {0, 200, 0, 250};
+  for (int k = 0; k < 16; ++k) image(k % 4, k / 4).a = 255;
+  EXPECT_LT(build_mask_mip_chain(image, true, 1).texels.back().a, 255);
+}
+
 TEST(MaskCoverage, what_is_cut_away_gives_no_color) {
   std::mt19937 rng(3);
   const Rgba8Image image = leaves(rng, 64, 48, 40, 2.0f);

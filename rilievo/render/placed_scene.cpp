@@ -113,7 +113,8 @@ void PlacedScene::cull_any(const Camera& camera, const Objects& objects,
       if (camera.projection != Projection::parallel)
         for (const glm::vec3& corner : box.corners())
           farthest = std::max(farthest, glm::length(glm::dvec3(corner) - camera.position()));
-      const float reach = float(double(stroke_px_[model_of(i)]) * pixel * farthest);
+      const float reach = float(double(stroke_px_[model_of(i)]) * double(camera.texels_per_pixel) *
+                                pixel * farthest);
       box.min -= reach, box.max += reach;
     }
     if (may_touch(frustum, box)) visible.push_back(i);

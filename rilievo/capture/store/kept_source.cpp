@@ -26,6 +26,8 @@ std::string exact_cell(const Camera& camera) {
   for (const double number : {camera.window.left, camera.window.right, camera.window.bottom,
                               camera.window.top, camera.z_near, camera.z_far})
     add(number);
+  // Pictures that were kept before have none.
+  if (camera.texels_per_pixel != 1) add(double(camera.texels_per_pixel));
   return "camera " + hash.text();
 }
 

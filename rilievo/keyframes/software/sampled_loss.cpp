@@ -89,7 +89,7 @@ void SampledLoss::add(const Camera& camera, std::span<const std::uint32_t> objec
   cast(camera, pixels_, objects, direct_sums_);
   // The truth: four pixels of a frame of twice the size. Rows of it are in order, too.
   Camera fine = camera;
-  fine.width *= 2, fine.height *= 2;
+  fine.width *= 2, fine.height *= 2, fine.texels_per_pixel *= 2;
   parts_.clear();
   for (std::size_t from = 0; from < pixels_.size();) {
     std::size_t to = from;
@@ -110,7 +110,10 @@ void SampledLoss::add(const Camera& camera, std::span<const std::uint32_t> objec
       bytes[c] = std::round(255 * srgb_from_linear(std::clamp(color[c], 0.0f, 1.0f)));
     return bytes;
   };
-  for (double* sum : {&shown_, &direct_, &counted_, &surfaces_}) *sum *= remembered;
+  // Where little of the view is surfaces, so many looks are not enough to know it.
+  const double keeps =
+      remembered * surfaces_ < kEnoughSurfaces ? std::max(remembered, kRemembered) : remembered;
+  for (double* sum : {&shown_, &direct_, &counted_, &surfaces_}) *sum *= keeps;
   for (std::size_t from = 0, part = 0; from < pixels_.size();) {
     std::size_t to = from;
     while (to < pixels_.size() && pixels_[to].y == pixels_[from].y) ++to;
