@@ -109,9 +109,7 @@ const std::pair<Rgba8Image, Image<std::uint32_t>>& LiveBenchScene::truth(double 
     request.camera = frame, request.whole_texels = true, request.sky = sky();
     color = opaque_colors(make_keyframe(finest, request)->color);
   } else {
-    Camera larger = frame;
-    larger.width *= 2, larger.height *= 2;
-    color = halved(srgb8_from_linear(drawn(larger).color));
+    color = halved(srgb8_from_linear(drawn(supersampled(frame, 2)).color));
   }
   return true_frames_.emplace(now, std::pair(std::move(color), drawn(frame).object)).first->second;
 }

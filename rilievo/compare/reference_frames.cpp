@@ -39,10 +39,7 @@ class NameHash {
 // One of so many parts of a frame in each direction, as large as the frame.
 Camera part_of(const Camera& frame, int across, int down, int parts) {
   const int columns = (frame.width + parts - 1) / parts, rows = (frame.height + parts - 1) / parts;
-  Camera camera = camera_of_part(frame, across * columns, down * rows, columns, rows);
-  camera.width *= parts, camera.height *= parts;
-  camera.texels_per_pixel *= float(parts);
-  return camera;
+  return supersampled(camera_of_part(frame, across * columns, down * rows, columns, rows), parts);
 }
 
 // The means of parts x parts pixels of `part` from (x0, y0) of the frame on.

@@ -98,6 +98,13 @@ Camera camera_of_part(const Camera& camera, int x, int y, int width, int height)
   return part;
 }
 
+Camera supersampled(const Camera& camera, int times) {
+  Camera finer = camera;
+  finer.width *= times, finer.height *= times;
+  finer.texels_per_pixel *= float(times);
+  return finer;
+}
+
 double texel_angle(const Camera& camera) {
   const double step = (camera.window.right - camera.window.left) / camera.width;
   if (camera.projection == Projection::parallel) return step;

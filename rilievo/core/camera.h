@@ -36,8 +36,8 @@ struct Camera {
   ImageWindow window;
   double z_near = 0.1, z_far = 100.0;  // distances along -z, 0 < z_near < z_far
   int width = 1, height = 1;           // texels
-  // Of a picture with several texels for each pixel of the frames that will show it: so many to a
-  // side. Lines and points of n pixels are as many times n texels wide.
+  // Along each axis, for each pixel of the frames that the picture is for: more than 1 where it is
+  // supersampled. Lines and points of n pixels are n * texels_per_pixel texels wide.
   float texels_per_pixel = 1;
 
   // The eye, or the apex of a back-perspective camera. World space.
@@ -66,6 +66,9 @@ struct Camera {
 
 // The camera of a rectangle of its texels, `x` and `y` from the top left; it may reach beyond.
 [[nodiscard]] Camera camera_of_part(const Camera& camera, int x, int y, int width, int height);
+
+// The same view with `times` as many texels along each axis, for frames of the same size.
+[[nodiscard]] Camera supersampled(const Camera& camera, int times);
 
 // Angle in radians between the rays through two horizontally adjacent texels at the image's centre.
 // For a parallel camera: the width of a texel in metres.

@@ -54,6 +54,18 @@ TEST(Camera, a_part_shows_the_same_texels) {
   EXPECT_EQ(camera_of_part(c, 0, 0, 640, 480), c);
 }
 
+TEST(Camera, a_supersampled_one_shows_the_same_view) {
+  const Camera c = look_at({1, 2, 3}, {0, 0, 0}, {0, 1, 0}, 1.0, 640, 480, 0.1, 100);
+  const Camera finer = supersampled(supersampled(c, 2), 3);
+  EXPECT_EQ(finer.width, 6 * c.width);
+  EXPECT_EQ(finer.height, 6 * c.height);
+  EXPECT_EQ(finer.texels_per_pixel, 6 * c.texels_per_pixel);
+  const glm::dvec3 here = raster_from_world(c, {0.3, 0.2, -5}),
+                   there = raster_from_world(finer, {0.3, 0.2, -5});
+  EXPECT_LT(glm::distance(6.0 * glm::dvec2(here), glm::dvec2(there)), 1e-9);
+  EXPECT_EQ(here.z, there.z);
+}
+
 TEST(Camera, tight_camera_holds_the_box_and_no_more) {
   std::mt19937 rng(2);
   for (int i = 0; i < 500; ++i) {

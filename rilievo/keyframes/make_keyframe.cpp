@@ -100,10 +100,7 @@ static_assert(2 * (kMostColumns + 2) <= Keyframe::kMostRows);
 
 // Columns [from, to) of a camera, at `scale` times its size.
 Camera band_of(const Camera& camera, int from, int to, int scale) {
-  Camera band = camera_of_part(camera, from, 0, to - from, camera.height);
-  band.width *= scale, band.height *= scale;
-  band.texels_per_pixel *= float(scale);
-  return band;
+  return supersampled(camera_of_part(camera, from, 0, to - from, camera.height), scale);
 }
 
 }  // namespace

@@ -75,7 +75,7 @@ inline constexpr float kHalfSquare = 0.55f;
 // A surface whose texels have grown by more, because the eye came so much nearer to it, is not
 // shown by them: it is a hole, unless another keyframe shows it.
 inline constexpr float kMostMagnified = 4;
-// They hide what is behind them all the same, up to squares that are so many times as large.
+// Such texels still hide what is behind them. Their squares grow to so many times a texel's size.
 inline constexpr float kLargestSquare = 64;
 
 // The colour of a pixel, of depth 0, that is not warped because something else covers it.

@@ -11,7 +11,7 @@
 namespace rilievo {
 
 // Multiplies colours by that alpha. Requires colours that are opaque where the picture shows
-// something; beyond its edges it goes on as there.
+// something. Around the picture its border texels are repeated.
 void soften_silhouettes(Prewarped& picture);
 
 }  // namespace rilievo

@@ -43,8 +43,7 @@ Result<> PieceLoss::add(const Camera& camera, double time, const Rgba8Image& col
   const FramePiece piece = piece_of(camera, next_);
   next_ = (next_ + kStride) % kPieces;
   if (Result<> drawn = direct_frames_.draw(piece.camera, time); !drawn) return drawn;
-  Camera fine = piece.camera;
-  fine.width *= 2, fine.height *= 2, fine.texels_per_pixel *= 2;
+  const Camera fine = supersampled(piece.camera, 2);
   if (Result<> drawn = fine_frames_.draw(fine, time); !drawn) return drawn;
   const Rgba8Image &few = direct_frames_.software_target()->color(),
                    &many = fine_frames_.software_target()->color();

@@ -88,8 +88,7 @@ void SampledLoss::add(const Camera& camera, std::span<const std::uint32_t> objec
                 pixels_.end());
   cast(camera, pixels_, objects, direct_sums_);
   // The truth: four pixels of a frame of twice the size. Rows of it are in order, too.
-  Camera fine = camera;
-  fine.width *= 2, fine.height *= 2, fine.texels_per_pixel *= 2;
+  const Camera fine = supersampled(camera, 2);
   parts_.clear();
   for (std::size_t from = 0; from < pixels_.size();) {
     std::size_t to = from;
