@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/gtc/quaternion.hpp>
+#include <utility>
 
 #include "rilievo/core/expects.h"
 
@@ -15,6 +16,8 @@ constexpr double kNewest = 0.15;
 // distance between the near plane and the eye it is none.
 constexpr double kJump = 20, kLeastJump = 50;
 constexpr double kJumpTurn = 0.7;  // radians
+// A frame that takes long makes one long step: one counts as at most so many times the one before.
+constexpr double kLongStep = 2;
 
 glm::dvec3 rotation_between(const Camera& from, const Camera& to) {
   const glm::dmat3 turn =
@@ -27,6 +30,11 @@ glm::dvec3 rotation_between(const Camera& from, const Camera& to) {
   return axis / sine * (angle > glm::pi<double>() ? angle - 2 * glm::pi<double>() : angle);
 }
 
+glm::dvec3 shortened(const glm::dvec3& step, const glm::dvec3& before) {
+  const double length = glm::length(step), most = kLongStep * glm::length(before);
+  return length > most ? step * (most / length) : step;
+}
+
 }  // namespace
 
 void EyePrediction::follow(const Camera& camera) {
@@ -37,6 +45,8 @@ void EyePrediction::follow(const Camera& camera) {
     const double least = kLeastJump * camera.z_near;
     jumped_ = glm::length(step) > std::max(kJump * glm::length(step_), least) ||
               glm::length(turn) > kJumpTurn;
+    const glm::dvec3 step_before = std::exchange(last_step_, jumped_ ? glm::dvec3(0) : step),
+                     turn_before = std::exchange(last_turn_, jumped_ ? glm::dvec3(0) : turn);
     if (jumped_) {
       step_ = turn_ = glm::dvec3(0);
     } else if (step == glm::dvec3(0) && glm::length(turn) < 1e-9) {
@@ -44,8 +54,10 @@ void EyePrediction::follow(const Camera& camera) {
       step_ = turn_ = glm::dvec3(0);
     } else {
       const bool first = step_ == glm::dvec3(0) && turn_ == glm::dvec3(0);
-      step_ = first ? step : glm::mix(step_, step, kNewest);
-      turn_ = first ? turn : glm::mix(turn_, turn, kNewest);
+      const glm::dvec3 counted = shortened(step, step_before),
+                       turned = shortened(turn, turn_before);
+      step_ = first ? counted : glm::mix(step_, counted, kNewest);
+      turn_ = first ? turned : glm::mix(turn_, turned, kNewest);
     }
   }
   any_ = true;

@@ -1,7 +1,8 @@
 // Where will the eye be some frames from now, judging by the last ones?
 //
 // The mean step and turn of the last frames go on. A jump is no motion: after it the eye stands,
-// until it moves again. World space; metres and radians per frame.
+// until it moves again; nor does one long step, of a frame that took long, tell how fast it goes.
+// World space; metres and radians per frame.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -30,7 +31,9 @@ class EyePrediction {
  private:
   bool any_ = false, jumped_ = false;
   Camera last_;
-  glm::dvec3 step_{0.0}, turn_{0.0};  // the turn: an axis in world space, as long as its angle
+  // Turns are axes in world space, as long as their angles.
+  glm::dvec3 step_{0.0}, turn_{0.0};
+  glm::dvec3 last_step_{0.0}, last_turn_{0.0};
 };
 
 }  // namespace rilievo

@@ -42,6 +42,20 @@ TEST(EyePrediction, ASteadyEyeGoesOnAndAJumpIsNoMotion) {
   EXPECT_EQ(prediction.after(10).position(), ProducerStage::eye(30).position());
 }
 
+TEST(EyePrediction, AFrameThatTakesLongTellsNothingOfTheEyesSpeed) {
+  EyePrediction prediction;
+  // The first frame of a walk takes as long as twenty others, and later one takes as long as six.
+  double at = 0;
+  for (int i = 0; i < 40; ++i) {
+    prediction.follow(ProducerStage::eye(at, at / 2));
+    at += i == 0 ? 0.4 : i == 30 ? 0.12 : 0.02;
+    if (i < 2) continue;
+    const Camera now = ProducerStage::eye(at - (i == 30 ? 0.12 : 0.02)),
+                 ahead = prediction.after(10);
+    EXPECT_NEAR(ahead.position().x - now.position().x, 0.2, 0.2 * 0.2) << i;
+  }
+}
+
 TEST(KeyframeProducer, TheEyeOfASteadyWalkIsBetweenTwoKeyframes) {
   ProducerStage stage;
   KeyframeProducer producer(stage.source, stage.source, {.samples = 1, .interval = 4});
