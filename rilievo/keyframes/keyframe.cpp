@@ -1,7 +1,10 @@
 #include "rilievo/keyframes/keyframe.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <limits>
+#include <span>
 
 #include "rilievo/core/expects.h"
 #include "rilievo/core/parallel_for.h"
@@ -11,6 +14,20 @@ namespace {
 
 int parts(int whole, int part) { return (whole + part - 1) / part; }
 
+// Of some texels of a row. Numbers above 0 compare as their bits do, as integers; so written that a
+// compiler makes vectors of it.
+InverseRange range_of(std::span<const float> inverse_z) {
+  constexpr std::int32_t kNone = std::numeric_limits<std::int32_t>::max();
+  std::int32_t nearest = 0, farthest = kNone;
+  for (const float w : inverse_z) {
+    const std::int32_t bits = std::bit_cast<std::int32_t>(w);
+    nearest = std::max(nearest, bits);
+    farthest = std::min(farthest, bits > 0 ? bits : kNone);
+  }
+  if (nearest == 0) return {};
+  return {std::bit_cast<float>(farthest), std::bit_cast<float>(nearest)};
+}
+
 // The ranges of a block, and of its segments.
 void find_block(Keyframe& keyframe, int column, int row) {
   const int top = row * Keyframe::kRows,
@@ -19,8 +36,9 @@ void find_block(Keyframe& keyframe, int column, int row) {
             right = std::min(left + Keyframe::kColumns, keyframe.camera.width);
   InverseRange& block = keyframe.blocks(column, row) = {};
   for (int y = top; y < bottom; ++y) {
-    InverseRange& range = keyframe.segments(column, y) = {};
-    for (int x = left; x < right; ++x) range.add(keyframe.inverse_z(x, y));
+    const std::span<const float> row = keyframe.inverse_z.row(y);
+    const InverseRange& range = keyframe.segments(column, y) =
+        range_of(row.subspan(std::size_t(left), std::size_t(right - left)));
     block.add(range);
   }
 }
@@ -72,21 +90,25 @@ void find_ranges_of_rows(Keyframe& keyframe, int from, int to) {
 void hide_objects(Keyframe& keyframe, std::span<const std::uint32_t> objects) {
   if (std::ranges::equal(keyframe.hidden, objects)) return;
   keyframe.hidden.assign(objects.begin(), objects.end());
-  parallel_for(0, keyframe.camera.height, [&](int y) {
-    // Texels beside each other mostly show one object.
-    std::uint32_t last = kNoObject;
-    bool hides = false;
-    for (int x = 0; x < keyframe.camera.width; ++x) {
-      const std::uint32_t object = keyframe.object(x, y);
-      if (object != last) {
-        last = object;
-        hides = object != kNoObject && std::ranges::binary_search(objects, object - 1);
+  parallel_for(0, keyframe.blocks.height(), [&](int block) {
+    const int top = block * Keyframe::kRows,
+              bottom = std::min(top + Keyframe::kRows, keyframe.camera.height);
+    for (int y = top; y < bottom; ++y) {
+      float* const inverse_z = keyframe.inverse_z.row(y).data();
+      const std::span<const std::uint32_t> shown = keyframe.object.row(y);
+      // Texels beside each other mostly show one object.
+      for (std::size_t from = 0, to = 0; from < shown.size(); from = to) {
+        const std::uint32_t object = shown[from];
+        while (to < shown.size() && shown[to] == object) ++to;
+        const bool hides = object != kNoObject && std::ranges::binary_search(objects, object - 1);
+        // All of it has one sign.
+        if (std::signbit(inverse_z[from]) == hides) continue;
+        for (std::size_t x = from; x < to; ++x) inverse_z[x] = -inverse_z[x];
       }
-      float& inverse_z = keyframe.inverse_z(x, y);
-      inverse_z = hides ? -std::abs(inverse_z) : std::abs(inverse_z);
     }
+    for (int column = 0; column < keyframe.blocks.width(); ++column)
+      find_block(keyframe, column, block);
   });
-  find_ranges(keyframe, 0, keyframe.camera.width);
 }
 
 void find_shown(Keyframe& keyframe) {

@@ -113,9 +113,10 @@ void KeyframeProducer::keep_memory(Keyframe keyframe) {
 
 // Of those to come, wide enough for an eye that turns sideways: frames that are timed touch no new
 // page.
-void KeyframeProducer::take_memory() {
-  const Camera wide = camera_with(frame_, {options_.margin * kTurningMargin, options_.margin});
-  while (spare_.size() < kSpare) resize(spare_.emplace_back(), wide, ready_.back().quarters());
+void KeyframeProducer::add_spare() {
+  resize(spare_.emplace_back(),
+         camera_with(frame_, {options_.margin * kTurningMargin, options_.margin}),
+         makes_quarters(options_.samples, options_.whole_texels));
 }
 
 Keyframe KeyframeProducer::reusable() {
@@ -217,13 +218,15 @@ void KeyframeProducer::hide(std::span<const std::uint32_t> objects) {
 }
 
 Result<> KeyframeProducer::make_whole(const Camera& eye, bool stands) {
+  // Its memory is that of a later one, too.
+  if (spare_.empty() && options_.keyframe_ms > 0) add_spare();
   begin(eye, stands);
   // A source that captures in parts takes its memory for these now, not when frames are timed.
   const int columns = maker_.takes_parts(source_) ? maker_.camera().width / 2 : 1 << 20;
   while (maker_.busy())
     if (Result<> made = maker_.step(source_, columns); !made) return made.error();
   add(maker_.take());
-  if (options_.keyframe_ms > 0) take_memory();
+  while (options_.keyframe_ms > 0 && spare_.size() < kSpare) add_spare();
   ++done_.completed;
   return Done{};
 }

@@ -107,7 +107,7 @@ class KeyframeProducer {
   void add(Keyframe keyframe);
   void hide_objects_of_all();
   void keep_memory(Keyframe keyframe);
-  void take_memory();
+  void add_spare();
   [[nodiscard]] Keyframe reusable();
   // How many a frame makes: at least (of parts, once a keyframe takes too many frames) and at most,
   // and those that its time is expected to suffice for. And how many frames a keyframe is expected

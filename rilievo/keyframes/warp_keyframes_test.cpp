@@ -272,6 +272,14 @@ TEST(WarpKeyframes, HiddenObjectsAreShownAgain) {
       hidden += hides;
     }
   EXPECT_GT(hidden, 0);
+  for (int y = 0; y < 80; ++y)
+    for (int column = 0; column < key.segments.width(); ++column) {
+      InverseRange expected;
+      for (int x = 64 * column; x < std::min(64 * column + 64, 120); ++x)
+        expected.add(key.inverse_z(x, y));
+      EXPECT_EQ(key.segments(column, y).nearest, expected.nearest);
+      EXPECT_EQ(key.segments(column, y).farthest, expected.farthest);
+    }
   WarpedFrame out;
   const WarpedKeyframe one{&key, 1};
   warp_keyframes({&one, 1}, frame, out);
