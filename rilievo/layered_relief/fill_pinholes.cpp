@@ -1,6 +1,5 @@
-// Few texels have something in front on both sides in their row: these are found many at a time,
-// by the least Delta of eight, which three minima of the row with itself give. The others are asked
-// one by one.
+// Few texels have something in front on both sides close by, along any line: pinhole_candidates()
+// finds these many at a time. They are asked one by one.
 #include "rilievo/layered_relief/fill_pinholes.h"
 
 #include <algorithm>
@@ -10,12 +9,12 @@
 
 #include "rilievo/core/depth.h"
 #include "rilievo/core/parallel_for.h"
+#include "rilievo/layered_relief/pinhole_candidates.h"
 
 namespace rilievo {
 namespace {
 
 constexpr int kPinholeRows = 32;
-static_assert(kPinholeReach == 8, "three minima");
 
 // Finds pinholes in a picture's Deltas.
 class PinholeFinder {
@@ -24,7 +23,8 @@ class PinholeFinder {
       : camera_(geometry.capture),
         delta_(delta),
         step_(pinhole_step(geometry)),
-        spacing_at_1_(spacing * geometry.plane_z) {}
+        spacing_at_1_(spacing * geometry.plane_z),
+        widest_(int(std::min(spacing_at(camera_.z_near), double(kPinholeReach)))) {}
 
   // Appends those of row `y`.
   void find(int y, PinholeScratch::Strip& strip) const;
@@ -39,7 +39,9 @@ class PinholeFinder {
   [[nodiscard]] std::optional<std::size_t> end_of_pinhole(int x, int y) const;
   // How many texels are neighbouring samples apart there?
   [[nodiscard]] double spacing(std::uint16_t delta) const {
-    const double z = eye_z_from(DepthKind::window_z, decode_delta(delta, 16), camera_, {});
+    return spacing_at(eye_z_from(DepthKind::window_z, decode_delta(delta, 16), camera_, {}));
+  }
+  [[nodiscard]] double spacing_at(double z) const {
     return std::max(1.0, std::round(spacing_at_1_ / z));
   }
 
@@ -47,32 +49,41 @@ class PinholeFinder {
   const std::uint16_t* delta_;
   int step_;
   double spacing_at_1_;  // at eye_z = 1
+  int widest_;           // no gap is closed that is wider
 };
 
 std::optional<PinholeFinder::Gap> PinholeFinder::gap(int x, int y, int right, int down) const {
-  struct End {
-    int way, steps;
-    std::size_t texel;
+  // Steps to the picture's border.
+  const int above = y, below = camera_.height - 1 - y;
+  const auto room = [&](int way) {
+    const int across = way * right > 0 ? camera_.width - 1 - x : x;
+    const int along = way * down > 0 ? below : above;
+    return std::min({kPinholeReach, right ? across : kPinholeReach, down ? along : kPinholeReach});
   };
-  const std::size_t texel = std::size_t(y) * std::size_t(camera_.width) + std::size_t(x);
+  struct End {
+    std::ptrdiff_t stride;
+    int room, steps;
+    const std::uint16_t* at;
+  };
+  const std::uint16_t* const texel =
+      delta_ + std::size_t(y) * std::size_t(camera_.width) + std::size_t(x);
+  const std::ptrdiff_t stride = std::ptrdiff_t(down) * camera_.width + right;
   const auto advance = [&](End& end) {
-    const std::size_t from = end.texel;
-    while (++end.steps <= kPinholeReach) {
-      const int u = x + end.way * end.steps * right, v = y + end.way * end.steps * down;
-      if (u < 0 || v < 0 || u >= camera_.width || v >= camera_.height) return false;
-      end.texel = std::size_t(v) * std::size_t(camera_.width) + std::size_t(u);
-      if (int(delta_[from]) > int(delta_[end.texel]) + step_) return true;
+    const int in_front = int(*end.at) - step_;
+    while (++end.steps <= end.room) {
+      end.at += end.stride;
+      if (int(*end.at) < in_front) return true;
     }
     return false;
   };
-  End near{-1, 0, texel}, far{1, 0, texel};
+  End near{-stride, room(-1), 0, texel}, far{stride, room(1), 0, texel};
   if (!advance(near) || !advance(far)) return std::nullopt;
   for (;;) {
-    if (delta_[near.texel] > delta_[far.texel]) std::swap(near, far);
+    if (*near.at > *far.at) std::swap(near, far);
     const int texels = near.steps + far.steps - 1;
     if (texels > kPinholeReach) return std::nullopt;
-    if (int(delta_[far.texel]) - int(delta_[near.texel]) <= kPinholeEnds * step_)
-      return Gap{near.texel, far.texel, texels};
+    if (int(*far.at) - int(*near.at) <= kPinholeEnds * step_)
+      return Gap{std::size_t(near.at - delta_), std::size_t(far.at - delta_), texels};
     // The farther one shows what is seen through the gap.
     if (!advance(far)) return std::nullopt;
   }
@@ -91,23 +102,14 @@ std::optional<std::size_t> PinholeFinder::end_of_pinhole(int x, int y) const {
 }
 
 void PinholeFinder::find(int y, PinholeScratch::Strip& strip) const {
-  auto& least_of = strip.least;
-  const auto width = std::size_t(camera_.width), padded = width + 2 * kPinholeReach;
-  const std::uint16_t* const row = delta_ + std::size_t(y) * width;
-  for (std::vector<std::uint16_t>& least : least_of) least.assign(padded, 0xffff);
-  std::copy_n(row, width, least_of[0].begin() + kPinholeReach);
-  for (std::size_t k = 1; k < least_of.size(); ++k) {
-    const std::size_t apart = std::size_t(1) << (k - 1);
-    const std::uint16_t* const from = least_of[k - 1].data();
-    std::uint16_t* const to = least_of[k].data();
-    for (std::size_t i = 0; i + apart < padded; ++i) to[i] = std::min(from[i], from[i + apart]);
-  }
-  const std::uint16_t* const before = least_of[3].data();
-  const std::uint16_t* const after = before + kPinholeReach + 1;
-  for (std::size_t x = 0; x < width; ++x) {
-    if (int(row[x]) <= std::max(int(before[x]), int(after[x])) + step_) continue;
-    if (const auto from = end_of_pinhole(int(x), y))
-      strip.filled.push_back({std::size_t(y) * width + x, *from, {}});
+  const auto width = std::size_t(camera_.width);
+  strip.candidates.resize(width);
+  const std::size_t count = pinhole_candidates(delta_, camera_.width, camera_.height, y, step_,
+                                               widest_, strip.candidates.data());
+  for (std::size_t i = 0; i < count; ++i) {
+    const int x = strip.candidates[i];
+    if (const auto from = end_of_pinhole(x, y))
+      strip.filled.push_back({std::size_t(y) * width + std::size_t(x), delta_[*from], *from, {}});
   }
 }
 
@@ -125,10 +127,9 @@ int pinhole_step(const PictureGeometry& geometry) {
 
 void fill_pinholes(Prewarped& picture, double spacing, PinholeScratch& scratch) {
   const int h = picture.height();
-  scratch.before = picture.delta;
   const auto strips = std::size_t((h + kPinholeRows - 1) / kPinholeRows);
   if (scratch.strips.size() < strips) scratch.strips.resize(strips);
-  const PinholeFinder finder(picture.geometry, spacing, scratch.before.data());
+  const PinholeFinder finder(picture.geometry, spacing, picture.delta.data());
   parallel_for(std::size_t(0), strips, [&](std::size_t i) {
     PinholeScratch::Strip& strip = scratch.strips[i];
     strip.filled.clear();
@@ -139,7 +140,7 @@ void fill_pinholes(Prewarped& picture, double spacing, PinholeScratch& scratch) 
   });
   for (std::size_t i = 0; i < strips; ++i)
     for (const PinholeScratch::Filled& f : scratch.strips[i].filled)
-      picture.color[f.texel] = f.color, picture.delta[f.texel] = scratch.before[f.from];
+      picture.color[f.texel] = f.color, picture.delta[f.texel] = f.delta;
 }
 
 }  // namespace rilievo

@@ -7,7 +7,6 @@
 // apart: of a hole of its own a surface has samples around it, and wider ones stay.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <glm/glm.hpp>
@@ -31,17 +30,16 @@ inline constexpr int kPinholeEnds = 3;
 // nothing.
 struct PinholeScratch {
   struct Filled {
-    std::size_t texel = 0, from = 0;
+    std::size_t texel = 0;
+    std::uint16_t delta = 0;  // of `from`
+    std::size_t from = 0;
     glm::u8vec4 color{0};
   };
   struct Strip {
     std::vector<Filled> filled;
-    // Of a row, with eight more texels on both sides: the least Delta of one, two, four, eight from
-    // each.
-    std::array<std::vector<std::uint16_t>, 4> least;
+    std::vector<std::int32_t> candidates;  // of a row
   };
-  std::vector<std::uint16_t> before;  // the Deltas of the picture
-  std::vector<Strip> strips;          // as many as any picture had
+  std::vector<Strip> strips;  // as many as any picture had
 };
 
 // Gives each texel of a pinhole the colour and the depth of an end of its shortest gap, the farther

@@ -1,8 +1,10 @@
 // How it is done fast: positions are found for a block of samples by SIMD, as addresses; then the
-// samples are copied there one by one, in their order, without a branch. A sample that misses the
-// tile is copied to a row that nobody reads. Scatter instructions are no faster than that. Nearest
-// samples of one block are copied in turn with finding the next block's positions (alternate): a
-// sixth faster; splats of two by two are bound by their masked stores and gain nothing.
+// samples are copied there one by one, in their order, without a branch. Scatter instructions are
+// no faster than that. Of splats only those are kept that reach the tile: most samples of a deep
+// scene are asked by several tiles. A nearest sample that misses is copied to a row that nobody
+// reads, and those of one block are copied in turn with finding the next block's positions
+// (alternate): a sixth faster; splats of two by two are bound by their masked stores and gain
+// nothing.
 //
 // A position becomes an index by adding 1.5 * 2^23: the sum's lowest bits are then the nearest
 // integer. One addition, where a conversion needs several instructions to mend what is too large.
@@ -228,65 +230,75 @@ std::size_t splat_run(const PrewarpCoefficients& k, const PrewarpRun& run,
   const F f;
   const I i;
   const std::uint32_t lanes = std::uint32_t(hn::Lanes(f));
-  HWY_ALIGN std::int32_t address[kBlock], wide[kBlock], high[kBlock];
-  const VI missed = hn::Set(i, tile.missed);
+  // Of those that cover texels: where, how far, and which they are. Compressed vectors are stored
+  // whole.
+  constexpr std::size_t kStored = kBlock + hn::MaxLanes(f);
+  HWY_ALIGN std::int32_t address[kStored], wide[kStored], high[kStored], which[kStored];
   const VI one = hn::Set(i, 1), pitch = hn::Set(i, tile.pitch);
   const VI x_first = hn::Set(i, tile.x + kIndexBits);
   const VI x_last = hn::Set(i, tile.x + tile.width + kIndexBits);
   const VI y_first = hn::Set(i, tile.y + kIndexBits);
   const VI y_last = hn::Set(i, tile.y + tile.height + kIndexBits);
   const VF scale = hn::Set(f, k.scale);
+  const VF low_x = hn::Set(f, 0.5f - run.half_x), high_x = hn::Set(f, 0.5f + run.half_x);
+  const VF low_y = hn::Set(f, 0.5f - run.half_y), high_y = hn::Set(f, 0.5f + run.half_y);
   ReliefSample* const texels = tile.texels;
   std::size_t drawn = 0;
   for (std::uint32_t begin = 0; begin < run.count; begin += kBlock) {
     const std::uint32_t count = std::min(kBlock, run.count - begin);
     const ReliefSample* samples = run.samples + begin;
+    std::size_t found = 0;
     for (std::uint32_t at = 0; at < count; at += lanes) {
       const Lanes s = load(k, samples + at);
-      const VF u = hn::Add(hn::ConvertTo(f, s.u), hn::Set(f, run.u));
-      const VF v = hn::Add(hn::ConvertTo(f, s.v), hn::Set(f, run.v));
-      const VF shift_x = hn::Add(hn::Mul(hn::Set(f, k.x_code), s.code), hn::Set(f, k.x_0));
-      const VF shift_y = hn::Add(hn::Mul(hn::Set(f, k.y_code), s.code), hn::Set(f, k.y_0));
-      const VF low_x = hn::Set(f, 0.5f - run.half_x), high_x = hn::Set(f, 0.5f + run.half_x);
-      const VF low_y = hn::Set(f, 0.5f - run.half_y), high_y = hn::Set(f, 0.5f + run.half_y);
       const auto edge = [&](VF position, VF end, VF shift) {
         return index_of(hn::Add(position, end), scale, shift, s.w);
       };
-      const VI x0 = hn::Max(edge(u, low_x, shift_x), x_first);
-      const VI x1 = hn::Min(edge(u, high_x, shift_x), x_last);
+      const VF v = hn::Add(hn::ConvertTo(f, s.v), hn::Set(f, run.v));
+      const VF shift_y = hn::Add(hn::Mul(hn::Set(f, k.y_code), s.code), hn::Set(f, k.y_0));
       const VI y0 = hn::Max(edge(v, low_y, shift_y), y_first);
       const VI y1 = hn::Min(edge(v, high_y, shift_y), y_last);
-      auto covers = hn::And(hn::Gt(x1, x0), hn::Gt(y1, y0));
-      covers = hn::And(covers, is_shown(k, s));
+      // Tiles are strips, and most of what misses one lies above or below it.
+      auto covers = hn::And(hn::Gt(y1, y0), is_shown(k, s));
+      if (hn::AllFalse(i, covers)) continue;
+      const VF u = hn::Add(hn::ConvertTo(f, s.u), hn::Set(f, run.u));
+      const VF shift_x = hn::Add(hn::Mul(hn::Set(f, k.x_code), s.code), hn::Set(f, k.x_0));
+      const VI x0 = hn::Max(edge(u, low_x, shift_x), x_first);
+      const VI x1 = hn::Min(edge(u, high_x, shift_x), x_last);
+      covers = hn::And(covers, hn::Gt(x1, x0));
       if (!run.all_columns) covers = hn::And(covers, in_columns(run, s.u));
+      if (count - at < lanes) covers = hn::And(covers, hn::FirstN(i, count - at));
       const VI to = hn::Add(hn::Mul(hn::Sub(y0, y_first), pitch), hn::Sub(x0, x_first));
-      hn::Store(hn::IfThenElse(covers, to, missed), i, address + at);
-      drawn += count_first(covers, count - at);
+      const auto keep = [&](VI value, std::int32_t* values) HWY_ATTR {
+        hn::StoreU(hn::Compress(value, covers), i, values + found);
+      };
+      keep(to, address);
+      keep(hn::Iota(i, std::int32_t(at)), which);
       if constexpr (reach == SplatReach::two) {
         // Steps to the second column and row, or none.
-        const auto second_x = hn::And(covers, hn::Gt(hn::Sub(x1, x0), one));
-        const auto second_y = hn::And(covers, hn::Gt(hn::Sub(y1, y0), one));
-        hn::Store(hn::IfThenElseZero(second_x, one), i, wide + at);
-        hn::Store(hn::IfThenElseZero(second_y, pitch), i, high + at);
+        keep(hn::Sub(hn::Sub(x1, x0), one), wide);
+        keep(hn::IfThenElseZero(hn::Gt(hn::Sub(y1, y0), one), pitch), high);
       } else if constexpr (reach != SplatReach::one) {
-        hn::Store(hn::IfThenElseZero(covers, hn::Sub(x1, x0)), i, wide + at);
-        hn::Store(hn::IfThenElseZero(covers, hn::Sub(y1, y0)), i, high + at);
+        keep(hn::Sub(x1, x0), wide);
+        keep(hn::Sub(y1, y0), high);
       }
+      found += hn::CountTrue(i, covers);
     }
+    drawn += found;
     if constexpr (reach == SplatReach::one) {
-      copy_block(texels, samples, address, count);
+      for (std::size_t n = 0; n < found; ++n) copy(texels + address[n], samples + which[n]);
     } else if constexpr (reach == SplatReach::two) {
-      for (std::uint32_t n = 0; n < count; ++n)
-        copy_two_by_two(texels + address[n], wide[n], high[n], samples + n);
+      for (std::size_t n = 0; n < found; ++n)
+        copy_two_by_two(texels + address[n], wide[n], high[n], samples + which[n]);
     } else if constexpr (reach != SplatReach::many) {
       constexpr int kMost = reach == SplatReach::three ? 3 : 4;
-      for (std::uint32_t n = 0; n < count; ++n)
-        copy_rectangle<kMost>(texels + address[n], wide[n], high[n], tile.pitch, samples + n);
+      for (std::size_t n = 0; n < found; ++n)
+        copy_rectangle<kMost>(texels + address[n], wide[n], high[n], tile.pitch,
+                              samples + which[n]);
     } else {
-      for (std::uint32_t n = 0; n < count; ++n) {
+      for (std::size_t n = 0; n < found; ++n) {
         ReliefSample* to = texels + address[n];
         for (int row = 0; row < high[n]; ++row, to += tile.pitch)
-          for (int column = 0; column < wide[n]; ++column) copy(to + column, samples + n);
+          for (int column = 0; column < wide[n]; ++column) copy(to + column, samples + which[n]);
       }
     }
   }

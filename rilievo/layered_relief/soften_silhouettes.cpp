@@ -1,92 +1,125 @@
 // Few texels lie along silhouettes: what is covered around each of a row is found many at a time,
-// and eight that are all inside, or all outside, are passed over.
+// and those that are all inside, or all outside, are passed over.
 #include "rilievo/layered_relief/soften_silhouettes.h"
 
 #include <algorithm>
-#include <array>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <vector>
 
 #include "rilievo/core/depth.h"
 #include "rilievo/core/parallel_for.h"
 
+// This file is compiled once for each instruction set.
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "rilievo/layered_relief/soften_silhouettes.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
 namespace rilievo {
+namespace HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
 namespace {
 
-constexpr std::uint16_t kUncovered = delta_transparent(16);
-constexpr int kSoftenedTexels = 1 << 16;  // of a strip: fewer take less time than to share them
-constexpr unsigned kAllCovered = 16;
-constexpr std::size_t kAtOnce = 8;
+using Wide = hn::CappedTag<std::uint32_t, 16>;
+using Narrow = hn::Rebind<std::uint16_t, Wide>;
 
-// Of each texel of a row: 1 2 1 of what is covered there and beside it.
-void covered_across(const Prewarped& picture, int y, std::vector<std::uint8_t>& covered,
-                    std::vector<std::uint8_t>& sums) {
-  const auto width = std::size_t(picture.width());
-  const int row = std::clamp(y, 0, picture.height() - 1);
-  const std::uint16_t* const delta = &picture.delta[std::size_t(row) * width];
-  covered.resize(width + 2), sums.resize(width);
-  std::uint8_t* const to = covered.data() + 1;
-  for (std::size_t x = 0; x < width; ++x) to[x] = std::uint8_t(delta[x] != kUncovered);
-  covered[0] = to[0], to[width] = to[width - 1];
-  const std::uint8_t* const from = covered.data();
-  std::uint8_t* const out = sums.data();  // the compiler need not look where it is for each texel
-  for (std::size_t x = 0; x < width; ++x)
-    out[x] = std::uint8_t(from[x] + 2 * from[x + 1] + from[x + 2]);
+constexpr std::uint16_t kUncovered = delta_transparent(16);
+constexpr std::uint16_t kAllCovered = 16;
+
+// 1 2 1 of what is covered above, at and below each of `width` columns.
+void sum_columns(const std::uint16_t* above, const std::uint16_t* own, const std::uint16_t* below,
+                 int width, std::uint16_t* sums) {
+  const Narrow d;
+  const auto one = hn::Set(d, 1);
+  const auto covered = [&](const std::uint16_t* delta) HWY_ATTR {
+    return hn::Min(hn::Sub(hn::Set(d, kUncovered), hn::LoadU(d, delta)), one);
+  };
+  const int lanes = int(hn::Lanes(d));
+  int x = 0;
+  for (; x + lanes <= width; x += lanes) {
+    const auto at = covered(own + x);
+    const auto around = hn::Add(covered(above + x), covered(below + x));
+    hn::StoreU(hn::Add(around, hn::Add(at, at)), d, sums + x);
+  }
+  for (; x < width; ++x)
+    sums[x] = std::uint16_t((above[x] != kUncovered) + 2 * (own[x] != kUncovered) +
+                            (below[x] != kUncovered));
 }
 
-// A colour's `sum` of 16 shares, two channels at once: 16 bits hold 16 times a byte.
-std::uint32_t share_of(std::uint32_t color, unsigned sum) {
-  constexpr std::uint32_t kEven = 0x00ff00ff, kHalf = 0x00080008;
-  const std::uint32_t even = ((color & kEven) * sum + kHalf) >> 4 & kEven;
-  const std::uint32_t odd = ((color >> 8 & kEven) * sum + kHalf) >> 4 & kEven;
-  return even | odd << 8;
+// `sum` of 16 shares of colours, two channels at once: 16 bits hold 16 times a byte.
+template <typename D>
+HWY_INLINE hn::Vec<D> share_of(D d, hn::Vec<D> color, hn::Vec<D> sum) {
+  const auto bytes = hn::Set(d, 0x00ff00ff), half = hn::Set(d, 0x00080008);
+  const auto even = hn::Add(hn::Mul(hn::And(color, bytes), sum), half);
+  const auto odd = hn::Add(hn::Mul(hn::And(hn::ShiftRight<8>(color), bytes), sum), half);
+  return hn::Or(hn::And(hn::ShiftRight<4>(even), bytes),
+                hn::ShiftLeft<8>(hn::And(hn::ShiftRight<4>(odd), bytes)));
+}
+
+// Colours of a row get their shares; `sums` has one more column on both sides.
+void share_row(const std::uint16_t* own, const std::uint16_t* sums, int width,
+               std::uint32_t* colors) {
+  const Wide wide;
+  const Narrow d;
+  const int lanes = int(hn::Lanes(d));
+  int x = 0;
+  for (; x + lanes <= width; x += lanes) {
+    const auto at = hn::LoadU(d, sums + x + 1);
+    const auto sum =
+        hn::Add(hn::Add(hn::LoadU(d, sums + x), hn::LoadU(d, sums + x + 2)), hn::Add(at, at));
+    const auto is_covered = hn::Ne(hn::LoadU(d, own + x), hn::Set(d, kUncovered));
+    if (hn::AllFalse(d, hn::And(is_covered, hn::Ne(sum, hn::Set(d, kAllCovered))))) continue;
+    hn::StoreU(share_of(wide, hn::LoadU(wide, colors + x), hn::PromoteTo(wide, sum)), wide,
+               colors + x);
+  }
+  const hn::CappedTag<std::uint32_t, 1> single;
+  for (; x < width; ++x) {
+    const std::uint32_t sum = sums[x] + 2u * sums[x + 1] + sums[x + 2];
+    colors[x] = hn::GetLane(share_of(single, hn::Set(single, colors[x]), hn::Set(single, sum)));
+  }
+}
+
+void soften_rows(Prewarped& picture, int begin, int end, std::vector<std::uint16_t>& sums) {
+  const int width = picture.width(), height = picture.height();
+  sums.resize(std::size_t(width) + 2);
+  const auto row = [&](int y) {
+    return picture.delta.data() + std::size_t(std::clamp(y, 0, height - 1)) * std::size_t(width);
+  };
+  for (int y = begin; y < end; ++y) {
+    sum_columns(row(y - 1), row(y), row(y + 1), width, sums.data() + 1);
+    sums.front() = sums[1], sums.back() = sums[std::size_t(width)];
+    share_row(row(y), sums.data(), width,
+              reinterpret_cast<std::uint32_t*>(picture.color.data()) +
+                  std::size_t(y) * std::size_t(width));
+  }
 }
 
 }  // namespace
+}  // namespace HWY_NAMESPACE
+}  // namespace rilievo
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace rilievo {
+namespace {
+
+constexpr int kSoftenedTexels = 1 << 16;  // of a strip: fewer take less time than to share them
+
+}  // namespace
+
+HWY_EXPORT(soften_rows);
 
 void soften_silhouettes(Prewarped& picture) {
   const int height = picture.height();
-  const auto width = std::size_t(picture.width());
-  struct Rows {
-    std::vector<std::uint8_t> covered, sums;
-    std::array<std::vector<std::uint8_t>, 3> across;
-  };
   const int rows_each = std::max(1, kSoftenedTexels / std::max(1, picture.width()));
   parallel_for(0, (height + rows_each - 1) / rows_each, [&](int strip) {
-    static thread_local Rows rows;  // kept: a steady frame allocates nothing
-    rows.sums.resize(width);
-    std::uint8_t* const sums = rows.sums.data();
-    const int first = strip * rows_each, end = std::min(first + rows_each, height);
-    const auto across = [&](int y) -> std::vector<std::uint8_t>& {
-      return rows.across[std::size_t(y - first + 3) % 3];
-    };
-    for (int y = first - 1; y <= first; ++y) covered_across(picture, y, rows.covered, across(y));
-    for (int y = first; y < end; ++y) {
-      covered_across(picture, y + 1, rows.covered, across(y + 1));
-      const std::uint8_t* const above = across(y - 1).data();
-      const std::uint8_t* const own = across(y).data();
-      const std::uint8_t* const below = across(y + 1).data();
-      for (std::size_t x = 0; x < width; ++x)
-        sums[x] = std::uint8_t(above[x] + 2 * own[x] + below[x]);
-      glm::u8vec4* const colors = &picture.color[std::size_t(y) * width];
-      const auto all_are = [](const std::uint8_t* values, unsigned value) {
-        std::uint64_t eight = 0;
-        std::memcpy(&eight, values, kAtOnce);
-        return eight == value * std::uint64_t(0x0101010101010101);
-      };
-      for (std::size_t x = 0; x < width; x += kAtOnce) {
-        if (x + kAtOnce <= width && (all_are(own + x, 0) || all_are(sums + x, kAllCovered)))
-          continue;
-        const std::size_t count = std::min(kAtOnce, width - x);
-        std::uint32_t some[kAtOnce];
-        std::memcpy(some, colors + x, count * sizeof(std::uint32_t));
-        for (std::size_t u = 0; u < count; ++u) some[u] = share_of(some[u], sums[x + u]);
-        std::memcpy(colors + x, some, count * sizeof(std::uint32_t));
-      }
-    }
+    static thread_local std::vector<std::uint16_t> sums;  // kept: a steady frame allocates nothing
+    const int begin = strip * rows_each;
+    HWY_DYNAMIC_DISPATCH(soften_rows)(picture, begin, std::min(begin + rows_each, height), sums);
   });
 }
 
 }  // namespace rilievo
+#endif
