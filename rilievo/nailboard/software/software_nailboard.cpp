@@ -58,21 +58,24 @@ void SoftwareNailboard::fill(int width, int height, int delta_bits, const Row& r
   make_room(cell_opaque_, sizes.cells);
   parallel_for(0, cells_down(), [&](int band) {
     // Of each column within the band.
-    static thread_local std::vector<std::uint16_t> codes, nearest, farthest;
-    static thread_local std::vector<std::uint32_t> common;
-    codes.assign(stride, kNoCode);
-    nearest.assign(stride, kNoCode), farthest.assign(stride, 0), common.assign(stride, ~0u);
+    static thread_local std::vector<std::uint16_t> codes_kept, nearest_kept, farthest_kept;
+    static thread_local std::vector<std::uint32_t> common_kept;
+    codes_kept.assign(stride, kNoCode), nearest_kept.assign(stride, kNoCode);
+    farthest_kept.assign(stride, 0), common_kept.assign(stride, ~0u);
+    // Where these are is not asked for each texel.
+    std::uint16_t* const codes = codes_kept.data();
+    std::uint16_t* const nearest = nearest_kept.data();
+    std::uint16_t* const farthest = farthest_kept.data();
+    std::uint32_t* const common = common_kept.data();
     const int end = std::min(height_, (band + 1) * kCell);
     for (int y = band * kCell; y < end; ++y) {
       std::uint32_t* const color = &color_[std::size_t(y) * stride];
-      std::memcpy(color, row(y, codes.data()), std::size_t(width_) * sizeof *color);
-      std::fill(color + width_, color + stride, 0);
-      std::memcpy(&code_pairs_[std::size_t(y) * stride / 2], codes.data(),
-                  stride * sizeof(std::uint16_t));
-      const std::uint16_t* const code = codes.data();
-      for (int x = 0; x < width_; ++x) nearest[x] = std::min(nearest[x], code[x]);
-      for (int x = 0; x < width_; ++x) farthest[x] = std::max(farthest[x], code[x]);
-      for (int x = 0; x < width_; ++x) common[x] &= color[x];
+      std::memcpy(color, row(y, codes), std::size_t(width) * sizeof *color);
+      std::fill(color + width, color + stride, 0);
+      std::memcpy(&code_pairs_[std::size_t(y) * stride / 2], codes, stride * sizeof *codes);
+      for (int x = 0; x < width; ++x) nearest[x] = std::min(nearest[x], codes[x]);
+      for (int x = 0; x < width; ++x) farthest[x] = std::max(farthest[x], codes[x]);
+      for (int x = 0; x < width; ++x) common[x] &= color[x];
     }
     for (int cell = 0; cell < cells_across(); ++cell) {
       std::uint16_t least = kNoCode;
