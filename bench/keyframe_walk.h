@@ -48,6 +48,7 @@ struct KeyframeWalk {
   // a wrong object: shares.
   double lost_at_edges = 0, lost_as_wrong = 0;
   double wrong_share = 0, wrong_share_max = 0, uncovered_share = 0;
+  double wrong_share_direct = 0;  // of direct-raster with samples a quarter of a pixel beside
   int missing = 0;
   double shimmer = 0;
   std::vector<KeyframeRival> rivals;  // direct-raster first
