@@ -38,7 +38,7 @@ glm::dvec3 shortened(const glm::dvec3& step, const glm::dvec3& before) {
 }  // namespace
 
 void EyePrediction::follow(const Camera& camera) {
-  jumped_ = false;
+  jumped_ = false, speed_known_ = true;
   if (any_) {
     const glm::dvec3 step = camera.position() - last_.position();
     const glm::dvec3 turn = rotation_between(last_, camera);
@@ -53,6 +53,7 @@ void EyePrediction::follow(const Camera& camera) {
       // An eye that stands does not drift on.
       step_ = turn_ = glm::dvec3(0);
     } else {
+      speed_known_ = step_before != glm::dvec3(0) || turn_before != glm::dvec3(0);
       const bool first = step_ == glm::dvec3(0) && turn_ == glm::dvec3(0);
       const glm::dvec3 counted = shortened(step, step_before),
                        turned = shortened(turn, turn_before);

@@ -320,7 +320,7 @@ Result<> KeyframeProducer::work_beside() {
     return Done{};
   }
   const Camera eye = prediction_.after(std::min(2 * frames_for_one_, kMostAhead));
-  if (has_one_of(eye)) return Done{};
+  if (!prediction_.speed_known() || has_one_of(eye)) return Done{};
   begin(eye, true);
   stop_ = {};
   control_.stop = stop_.get_token();
@@ -371,7 +371,7 @@ Result<> KeyframeProducer::work(double holes_ms) {
   const Stopwatch watch;
   if (!maker_.busy()) {
     const Camera eye = prediction_.after(2 * columns.frames);
-    if (has_one_of(eye)) return Done{};
+    if (!prediction_.speed_known() || has_one_of(eye)) return Done{};
     begin(eye, true);
     made_ms_ = 0, made_columns_ = 0, made_frames_ = 0;
   }

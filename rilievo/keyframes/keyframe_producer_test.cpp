@@ -49,6 +49,7 @@ TEST(EyePrediction, AFrameThatTakesLongTellsNothingOfTheEyesSpeed) {
   for (int i = 0; i < 40; ++i) {
     prediction.follow(ProducerStage::eye(at, at / 2));
     at += i == 0 ? 0.4 : i == 30 ? 0.12 : 0.02;
+    EXPECT_EQ(prediction.speed_known(), i != 1);
     if (i < 2) continue;
     const Camera now = ProducerStage::eye(at - (i == 30 ? 0.12 : 0.02)),
                  ahead = prediction.after(10);
@@ -74,6 +75,24 @@ TEST(KeyframeProducer, TheEyeOfASteadyWalkIsBetweenTwoKeyframes) {
     ASSERT_TRUE(producer.work());
   }
   EXPECT_GE(between, 30);
+}
+
+TEST(KeyframeProducer, AWalkWhoseFirstFrameTakesLongGetsItsSecondKeyframeAhead) {
+  ProducerStage stage;
+  KeyframeProducer producer(stage.source, stage.source, {.samples = 1, .interval = 4});
+  double at = 0;
+  for (int i = 0; i < 7; ++i) {
+    if (producer.follow(ProducerStage::eye(at), 0).empty()) {
+      ASSERT_TRUE(producer.make_now());
+    }
+    if (producer.chosen().size() == 2) break;
+    ASSERT_TRUE(producer.work());
+    at += i == 0 ? 0.4 : 0.02;
+  }
+  ASSERT_EQ(producer.chosen().size(), 2u);
+  EXPECT_EQ(producer.chosen()[0].keyframe->camera.position().x, 0);
+  // Eight frames from the third one.
+  EXPECT_NEAR(producer.chosen()[1].keyframe->camera.position().x, 0.42 + 8 * 0.02, 1e-6);
 }
 
 // So the first frames of a walk lie between two keyframes, too.
