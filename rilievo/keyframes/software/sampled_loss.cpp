@@ -13,6 +13,10 @@ namespace {
 constexpr int kSamples = 4;
 // Half a byte's step squared in three channels: rounding is no loss.
 constexpr double kRounding = 0.25;
+// Pixels around the rectangle of the objects that count as its own; and one pixel in so many is of
+// the whole frame, wherever that is.
+constexpr double kAround = 4;
+constexpr int kOfFrame = 8;
 
 double square(const glm::dvec3& a) { return glm::dot(a, a); }
 
@@ -21,7 +25,57 @@ glm::dvec3 mean(const glm::ivec4& sums, int count, const glm::dvec3& sky) {
   return (glm::dvec3(sums) + double(count - sums.w) * sky) / double(count);
 }
 
+bool lies_in(const RasterRect& rect, const FramePixel& pixel) {
+  return pixel.x >= rect.left && pixel.x < rect.right && pixel.y >= rect.top &&
+         pixel.y < rect.bottom;
+}
+
 }  // namespace
+
+SampledLoss::SampledLoss(const RayScene& rays) : sky_(rays.scene().sky), caster_(rays) {
+  const Scene& scene = rays.scene();
+  for (std::size_t i = 0; i < scene.objects.size(); ++i)
+    bounds_.push_back(
+        transformed(rays.poses()[i], scene.models[std::size_t(scene.objects[i].model)].bounds));
+}
+
+RasterRect SampledLoss::find_rect(const Camera& camera,
+                                  std::span<const std::uint32_t> objects) const {
+  const RasterRect all{0, 0, double(camera.width), double(camera.height)};
+  Box bounds;
+  for (const std::uint32_t object : objects) bounds.add(bounds_[object]);
+  if (bounds.empty()) return all;
+  const RasterRect seen =
+      rect_of_box(camera, view_of_box(eye_from_world(camera), bounds, Projection::perspective));
+  if (seen.empty()) return all;
+  return {std::max(all.left, std::floor(seen.left - kAround)),
+          std::max(all.top, std::floor(seen.top - kAround)),
+          std::min(all.right, std::ceil(seen.right + kAround)),
+          std::min(all.bottom, std::ceil(seen.bottom + kAround))};
+}
+
+// In rows, each once.
+void SampledLoss::choose_pixels(const Camera& camera, const RasterRect& rect) {
+  const auto next = [&](double from, double to) {
+    random_ = random_ * 1664525u + 1013904223u;
+    return std::uint16_t(std::uint32_t(from) + (random_ >> 8) % std::uint32_t(to - from));
+  };
+  pixels_.clear();
+  for (int i = 0; i < kPixels; ++i) {
+    const RasterRect of =
+        i % kOfFrame == 0 ? RasterRect{0, 0, double(camera.width), double(camera.height)} : rect;
+    const std::uint16_t x = next(of.left, of.right);
+    pixels_.push_back({x, next(of.top, of.bottom)});
+  }
+  std::sort(pixels_.begin(), pixels_.end(), [](const FramePixel& a, const FramePixel& b) {
+    return a.y != b.y ? a.y < b.y : a.x < b.x;
+  });
+  pixels_.erase(std::unique(pixels_.begin(), pixels_.end(),
+                            [](const FramePixel& a, const FramePixel& b) {
+                              return a.x == b.x && a.y == b.y;
+                            }),
+                pixels_.end());
+}
 
 // The sums of the samples' bytes of each pixel.
 void SampledLoss::cast(const Camera& camera, std::span<const FramePixel> pixels,
@@ -70,22 +124,17 @@ void SampledLoss::cast(const Camera& camera, std::span<const FramePixel> pixels,
 
 void SampledLoss::add(const Camera& camera, std::span<const std::uint32_t> objects,
                       const Image<std::uint32_t>& shown, double remembered) {
-  pixels_.clear();
-  const auto next = [&] { return (random_ = random_ * 1664525u + 1013904223u) >> 8; };
-  for (int i = 0; i < kPixels; ++i) {
-    const std::uint32_t x = next() % std::uint32_t(camera.width);
-    const std::uint32_t y = next() % std::uint32_t(camera.height);
-    pixels_.push_back({std::uint16_t(x), std::uint16_t(y)});
-  }
-  // In rows, each once.
-  std::sort(pixels_.begin(), pixels_.end(), [](const FramePixel& a, const FramePixel& b) {
-    return a.y != b.y ? a.y < b.y : a.x < b.x;
-  });
-  pixels_.erase(std::unique(pixels_.begin(), pixels_.end(),
-                            [](const FramePixel& a, const FramePixel& b) {
-                              return a.x == b.x && a.y == b.y;
-                            }),
-                pixels_.end());
+  const RasterRect rect = find_rect(camera, objects);
+  choose_pixels(camera, rect);
+  const double in_rect = double(
+                   std::count_if(pixels_.begin(), pixels_.end(),
+                                 [&](const FramePixel&pixel) { return lies_in(rect, pixel); })),
+               beside = double(pixels_.size()) - in_rect;
+  // What a pixel stands for, in means of the pixels that were chosen.
+  const double share = (rect.right - rect.left) * (rect.bottom - rect.top) /
+                       (double(camera.width) * camera.height),
+               of_inner = share * double(pixels_.size()) / std::max(in_rect, 1.0),
+               of_outer = (1 - share) * double(pixels_.size()) / std::max(beside, 1.0);
   cast(camera, pixels_, objects, direct_sums_);
   // The truth: four pixels of a frame of twice the size. Rows of it are in order, too.
   const Camera fine = supersampled(camera, 2);
@@ -126,11 +175,13 @@ void SampledLoss::add(const Camera& camera, std::span<const std::uint32_t> objec
       const glm::dvec3 truth = mean(all, 4 * kSamples, sky);
       const double of_direct = square(mean(few, kSamples, sky) - truth);
       const std::uint32_t seen = shown(pixels_[i].x, pixels_[i].y);
-      shown_ += seen == 0 || seen == kCoveredPixel
-                    ? of_direct
-                    : square(glm::dvec3(seen & 255, seen >> 8 & 255, seen >> 16 & 255) - truth);
-      direct_ += of_direct;
-      ++counted_, surfaces_ += all.w > 0;
+      const double weight = lies_in(rect, pixels_[i]) ? of_inner : of_outer;
+      shown_ += weight *
+                (seen == 0 || seen == kCoveredPixel
+                     ? of_direct
+                     : square(glm::dvec3(seen & 255, seen >> 8 & 255, seen >> 16 & 255) - truth));
+      direct_ += weight * of_direct;
+      counted_ += weight, surfaces_ += all.w > 0;
     }
     part += 4 * in_row;
     from = to;

@@ -8,7 +8,9 @@
 //
 // which is PSNR of direct drawing less that of the frames; direct drawing's counts as 48.1 dB at
 // most, a mean difference of one step of a byte, which is not seen. Holes are filled as direct
-// drawing would; samples that show nothing show the sky. Frames are forgotten after some others.
+// drawing would; samples that show nothing show the sky. Most of the pixels are of the rectangle
+// that the objects are seen in, since the others are right; all count by the area that they stand
+// for. Frames are forgotten after some others.
 // The same pixels of the same frames in every run.
 #pragma once
 
@@ -16,6 +18,8 @@
 #include <span>
 #include <vector>
 
+#include "rilievo/core/bounds.h"
+#include "rilievo/core/box_view.h"
 #include "rilievo/core/camera.h"
 #include "rilievo/core/image.h"
 #include "rilievo/render/rays/cast_pixels.h"
@@ -36,7 +40,7 @@ class SampledLoss {
   static constexpr double kUnseen = 3;
 
   // `rays`, of the scene, must outlive the object.
-  explicit SampledLoss(const RayScene& rays) : sky_(rays.scene().sky), caster_(rays) {}
+  explicit SampledLoss(const RayScene& rays);
 
   // A frame was warped, of `objects` and nothing else. `shown`: its colours, as WarpedFrame's; what
   // is covered counts as direct drawing. `remembered`: the share of the sums that is kept.
@@ -52,10 +56,15 @@ class SampledLoss {
   [[nodiscard]] static double loss_db(double shown, double direct, double counted);
 
  private:
+  // The pixels that objects may be seen in, and some around them.
+  [[nodiscard]] RasterRect find_rect(const Camera& camera,
+                                     std::span<const std::uint32_t> objects) const;
+  void choose_pixels(const Camera& camera, const RasterRect& rect);
   void cast(const Camera& camera, std::span<const FramePixel> pixels,
             std::span<const std::uint32_t> objects, std::vector<glm::ivec4>& sums);
 
   Sky sky_;
+  std::vector<Box> bounds_;  // by object
   PixelCaster caster_;
   SeenTriangles seen_;
   std::uint32_t random_ = 1;

@@ -146,7 +146,8 @@ void SampledLossTest::expect_ratio_of_whole_frames(const std::function<Camera(in
     loss.add(camera, objects_, warped_as(off));
   }
   ASSERT_TRUE(loss.known());
-  EXPECT_NEAR(loss.loss_db(), 10 * std::log10(shown / direct), within_db);
+  const double frames_loss = SampledLoss::loss_db(shown, direct, 40);
+  EXPECT_NEAR(loss.loss_db(), frames_loss, within_db);
   loss.forget();
   EXPECT_FALSE(loss.known());
 }
@@ -164,6 +165,19 @@ TEST_F(SampledLossTest, edges_before_the_sky_count) {
       [&](int i) {
         const double x = 0.1 * i;
         return look_at({x, 0.7 * x, 20}, {x, 0.3 * x, 0}, {0, 1, 0}, 0.8, kWidth, kHeight, 1, 200);
+      },
+      0.5);
+}
+
+// They fill a fiftieth of the frame: of as many pixels of all of it one in a thousand would be at
+// an edge.
+TEST_F(SampledLossTest, what_fills_little_of_the_frame_is_found) {
+  use(squares(2, 0.9f));
+  expect_ratio_of_whole_frames(
+      [&](int i) {
+        const double x = 0.05 * i;
+        return look_at({x, 0.7 * x, 40}, {x + 2, 0.3 * x, 0}, {0, 1, 0}, 0.8, kWidth, kHeight, 1,
+                       200);
       },
       0.5);
 }
