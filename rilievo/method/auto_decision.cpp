@@ -45,6 +45,13 @@ constexpr double kMostMore = 5;
 // What is prepared in the time of so many frames need not gain much.
 constexpr double kLittle = 2;
 
+// A frame that takes so many times the median of the last ones counts as that: other programs slow
+// some frames in a row down by much more.
+constexpr double kMuchForMean = 1.3;
+constexpr int kLeastForMedian = 3;
+// By how much all methods are taken to have become slower since one of them was measured, at most.
+constexpr double kMostSlower = 1.25;
+
 // What was measured with kThreads threads (AVX-512, no GPU): direct-raster, direct-rays, keyframes.
 constexpr int kThreads = 2;
 constexpr double kDirectPixelMs = 18e-6, kDirectTriangleMs = 11e-6;
@@ -116,6 +123,23 @@ void AutoDecision::begin_with(int candidate) {
   reason_ = AutoReason::begins;
 }
 
+double AutoDecision::median_of_last(const Cost& cost) {
+  const int count = std::min(cost.frames, kLast);
+  std::array<double, kLast> last;
+  for (int i = 0; i < count; ++i)
+    last[std::size_t(i)] = cost.last[std::size_t((cost.frames - i) % kLast)];
+  const auto middle = last.begin() + count / 2;
+  std::nth_element(last.begin(), middle, last.begin() + count);
+  return *middle;
+}
+
+// So many times slower has become what drew since this method was measured, and the model does not
+// say why: this one has, too. Not faster: to change for what was slow before is tried first.
+double AutoDecision::unexplained(int i) const {
+  if (i == draws_) return 1;
+  return std::clamp(slow_ / costs_[std::size_t(i)].slow, 1.0, kMostSlower);
+}
+
 // What it takes now, as far as is known; 0: nothing is.
 double AutoDecision::expected(int i, const AutoOutlook& outlook) const {
   const Cost& cost = costs_[std::size_t(i)];
@@ -140,7 +164,9 @@ bool AutoDecision::better(double ms, int candidate, double than_ms, int than) co
     const bool keeps = ms < kKeepsPace * pace_ms_, than_keeps = than_ms < kKeepsPace * pace_ms_;
     if (keeps && than_keeps) return rank < than_rank;
   }
-  return ms < (rank < than_rank ? 1 : 1 - needed_gain()) * than_ms;
+  // What is dear to return to is not left for nothing.
+  const bool stays = candidates_[std::size_t(than)].warm_up >= kWarmsUpLong;
+  return ms < (rank < than_rank && !stays ? 1 : 1 - needed_gain()) * than_ms;
 }
 
 // Each change costs a trial and a fade: what changed often must gain more.
@@ -166,7 +192,7 @@ int AutoDecision::best_known(std::span<const AutoOutlook> outlook) const {
     const AutoOutlook& one = outlook[std::size_t(i)];
     if (i == draws_ || !one.ready || !one.good_enough || cost.mean_ms == 0 || cost.age > kKnown)
       continue;
-    const double ms = expected(i, one);
+    const double ms = unexplained(i) * expected(i, one);
     if (!better(ms, i, best_ms, best)) continue;
     best = i, best_ms = ms;
   }
@@ -229,7 +255,7 @@ int AutoDecision::plainly_worth_preparing(std::span<const AutoOutlook> outlook) 
 
 void AutoDecision::change(int to) {
   Cost& left = costs_[std::size_t(draws_)];
-  left.age = 0;
+  left.age = 0, left.slow = slow_;
   left.guess_ms = guesses_[std::size_t(draws_)];
   // Methods that take the same must not take turns.
   left.gap = std::min(kMostGap, kGap << std::min(left.fails, 8));
@@ -274,7 +300,8 @@ void AutoDecision::end_trial(std::span<const AutoOutlook> outlook) {
   const int from = drawn > tried.warm_up ? tried.warm_up : std::max(0, drawn - 2);
   cost.mean_ms = trial_mean(std::span(trial_ms_).subspan(std::size_t(from)));
   cost.guess_ms = outlook[std::size_t(trial_)].guess_ms;
-  cost.frames = drawn - from, cost.age = 0;
+  cost.frames = drawn - from, cost.age = 0, cost.slow = slow_;
+  cost.last.fill(cost.mean_ms);
   const double now = costs_[std::size_t(draws_)].mean_ms;
   const bool wins = outlook[std::size_t(trial_)].ready &&
                     outlook[std::size_t(trial_)].good_enough &&
@@ -283,6 +310,8 @@ void AutoDecision::end_trial(std::span<const AutoOutlook> outlook) {
   trial_ = -1;
   trial_ms_.clear();
   if (!wins) {
+    // It warms up again.
+    if (candidates_[std::size_t(draws_)].warm_up >= kWarmsUpLong) since_change_ = 0;
     cost.gap = std::min(kMostGap, kGap << std::min(cost.fails, 8));
     ++cost.fails;
     return;
@@ -383,9 +412,15 @@ void AutoDecision::add(double ms, bool disturbed) {
   const int warm_up = candidates_[std::size_t(draws_)].warm_up;
   const bool warms_up = since_change_ <= warm_up;
   const double newest = newest_share(warms_up ? kNewestOfWarmUp : kNewest, ++cost.frames);
+  cost.last[std::size_t(cost.frames % kLast)] = ms;
+  const double before_ms = cost.mean_ms, guess_ms = guesses_[std::size_t(draws_)];
+  if (!warms_up && cost.frames >= kLeastForMedian)
+    ms = std::min(ms, kMuchForMean * median_of_last(cost));
   cost.mean_ms += (ms - cost.mean_ms) * newest;
+  if (cost.frames > kLast && !disturbed && guess_ms > 0 && cost.guess_ms > 0)
+    slow_ *= cost.mean_ms / before_ms * cost.guess_ms / guess_ms;
   cost.age = 0;
-  cost.guess_ms = guesses_[std::size_t(draws_)];
+  cost.guess_ms = guess_ms;
 }
 
 }  // namespace rilievo

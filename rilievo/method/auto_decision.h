@@ -19,6 +19,7 @@
 // Milliseconds a frame; time in frames.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <string_view>
@@ -131,16 +132,23 @@ class AutoDecision {
   void set_pace(double ms) { pace_ms_ = ms; }
 
  private:
+  // Frames whose median says what is much.
+  static constexpr int kLast = 9;
+
   struct Cost {
-    double mean_ms = 0;   // of the last frames that it drew; 0: none yet
-    double guess_ms = 0;  // the model's, when that was measured
-    int frames = 0;       // in the mean
-    int age = 0;          // frames since
-    int gap = 0;          // the least age for the next trial
-    int fails = 0;        // trials in a row
+    double mean_ms = 0;                // of the last frames that it drew; 0: none yet
+    double slow = 1;                   // slow_ when that was measured
+    std::array<double, kLast> last{};  // what they took, the newest at frames % kLast
+    double guess_ms = 0;               // the model's, when that was measured
+    int frames = 0;                    // in the mean
+    int age = 0;                       // frames since
+    int gap = 0;                       // the least age for the next trial
+    int fails = 0;                     // trials in a row
   };
 
+  [[nodiscard]] static double median_of_last(const Cost& cost);
   [[nodiscard]] double expected(int i, const AutoOutlook& outlook) const;
+  [[nodiscard]] double unexplained(int i) const;
   [[nodiscard]] double hoped(int i, const AutoOutlook& outlook) const;
   [[nodiscard]] bool better(double ms, int candidate, double than_ms, int than) const;
   [[nodiscard]] double needed_gain() const;
@@ -160,6 +168,9 @@ class AutoDecision {
   AutoReason reason_ = AutoReason::begins;
   int since_change_ = 0;
   double recent_changes_ = 0;  // each counts less with each frame
+  // How much more what draws takes than its model explains, over all frames: the machine is slower,
+  // or in view is what is dear for all methods.
+  double slow_ = 1;
   std::vector<double> trial_ms_;
   double trial_expected_ms_ = 0;  // when it began; 0: unknown
   double all_ms_ = 0, trials_ms_ = 0;

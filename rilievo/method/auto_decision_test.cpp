@@ -271,7 +271,17 @@ TEST(AutoDecision, what_warms_up_for_long_is_not_tried_again_where_it_gains_litt
     return drawn;
   };
   EXPECT_EQ(drawn_again(5), 0);
-  EXPECT_GT(drawn_again(16), 30);
+  EXPECT_GT(drawn_again(16), 25);
+}
+
+TEST(AutoDecision, what_warms_up_for_long_is_left_for_a_gain_alone) {
+  const auto by_direct = [](double direct_ms) {
+    return walk({{{"direct", 0}, always(direct_ms)}, {{"cache", 1, 12}, always(30), 0, 1.5}}, 1,
+                600, 0, 1)
+        .drawn[0];
+  };
+  EXPECT_LT(by_direct(30), 60);
+  EXPECT_GT(by_direct(27), 300);
 }
 
 // One frame may be the work of another program.
@@ -419,6 +429,35 @@ TEST(AutoDecision, what_is_prepared_is_not_prepared_again) {
     decision.add(choice.draws == 0 ? 70 : 20);
   }
   EXPECT_EQ(prepared, 1);
+}
+
+// Draws the first of two methods, which takes `ms`, and counts the frames of the other, of 21 ms.
+int frames_of_other(const std::function<double(int)>& ms, double guess, int frames) {
+  const std::vector<AutoCandidate> candidates{{"a", 1}, {"b", 1}};
+  AutoDecision decision(candidates, 0);
+  int of_other = 0;
+  for (int i = 0; i < frames; ++i) {
+    const std::vector<AutoOutlook> outlook{{.ready = true, .guess_ms = guess * 20},
+                                           {.ready = true, .guess_ms = guess * 21}};
+    const AutoChoice choice = decision.next(outlook);
+    of_other += choice.draws == 1 && choice.reason != AutoReason::trial;
+    decision.add(choice.draws == 0 ? ms(i) : 21 * ms(i) / 20);
+  }
+  return of_other;
+}
+
+TEST(AutoDecision, some_slow_frames_are_no_reason_to_change) {
+  // Not for a method that is as slow meanwhile.
+  for (const int from : {60, 70, 77, 85})
+    EXPECT_EQ(
+        frames_of_other([&](int i) { return i >= from && i < from + 4 ? 44.0 : 20.0; }, 1, 200), 0)
+        << from;
+}
+
+TEST(AutoDecision, what_becomes_slower_and_no_model_says_why_makes_others_slower_too) {
+  // A machine that is slower by a fifth from some frame on.
+  for (const int from : {60, 70, 77, 85})
+    EXPECT_EQ(frames_of_other([&](int i) { return i >= from ? 24.0 : 20.0; }, 1, 400), 0) << from;
 }
 
 TEST(AutoDecision, with_a_pace_the_best_that_keeps_it_draws) {
