@@ -296,7 +296,8 @@ Result<> AutoFrames::draw(const Camera& camera, double time) {
   active_ = frames_[choice.draws == kCache ? kDirect : choice.draws].get();
   double ms = begun_ms_;
   const bool begins = first && begins_with_keyframes_;
-  const bool has_drawn = std::exchange(begun_drawn_, false) && choice.draws == kDirect;
+  const bool has_drawn = std::exchange(begun_drawn_, false) &&
+                         (choice.draws == kDirect || (choice.draws == kCache && begun_by_cache_));
   if (!has_drawn) {
     const Stopwatch watch;
     if (Result<> drawn = active_->draw(camera, time); !drawn) return drawn;

@@ -85,9 +85,15 @@ Result<bool> AutoFrames::keyframes_pay(const Camera& camera, double time) {
     return direct_ms >= times * (load_.keyframes_ms() + FrameLoad::kKeyframesOfDirect * direct_ms);
   };
   if (!pay(kKeyframesMayPay, load_.direct_ms())) return false;
-  shared_chooser_->use_cache(false);
+  // The cache's first frame is of polygons, as long as it captures nothing: so the cache has it
+  // behind it if keyframes are refused, and its captures begin a frame earlier.
   const Stopwatch watch;
-  if (Result<> drawn = frames_[kDirect]->draw(camera, time); !drawn) return drawn.error();
+  for (const bool by_cache : {true, false}) {
+    shared_chooser_->use_cache(by_cache);
+    if (Result<> drawn = frames_[kDirect]->draw(camera, time); !drawn) return drawn.error();
+    begun_by_cache_ = by_cache;
+    if (frames_[kDirect]->stats().captures == 0) break;
+  }
   begun_drawn_ = true;
   const double counted_ms = load_.by_threads(shared_chooser_->counted_ms());
   // It touched memory for the first time.

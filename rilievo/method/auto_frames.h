@@ -165,8 +165,9 @@ class AutoFrames final : public FrameSource {
   Prepared made_;
   bool begins_with_keyframes_ = false;  // until the frame after begun_in_
   int begun_in_ = 0;
-  bool begun_drawn_ = false;  // direct drawing drew the first frame, to find out
-  double begun_ms_ = 0;       // what that took
+  bool begun_drawn_ = false;     // direct drawing drew the first frame, to find out
+  bool begun_by_cache_ = false;  // ... by the cache, which captured nothing
+  double begun_ms_ = 0;          // what that took
   int frame_ = 0, counted_frames_ = 0, direct_frames_ = 0, drawn_by_ = kDirect;
   double slowness_ = 1;  // times as slow as the machine of FrameLoad
   bool hurries_ = false;

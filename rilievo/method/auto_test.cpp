@@ -168,6 +168,27 @@ TEST_F(AutoTest, where_direct_drawing_takes_long_keyframes_begin_if_they_are_goo
   }
 }
 
+// The first frame, which finds out what direct drawing takes, is the cache's first one, too.
+TEST_F(AutoTest, where_keyframes_are_refused_the_cache_captures_as_early_as_alone) {
+  auto built = make_builtin("builtin:stonehenge?triangles=200000");
+  ASSERT_TRUE(built.ok());
+  std::vector<int> captures[2];
+  for (const bool alone : {false, true}) {
+    SoftwareBackend backend(built->scene, 4);
+    MethodOptions options{.by_clock = true};
+    options.loss_db = 0;
+    const Result<Method> made = make_method(alone ? "cache" : "auto", options, backend);
+    ASSERT_TRUE(made.ok());
+    for (int i = 0; i < 3; ++i) {
+      const double time = frame_time(built->path, i);
+      ASSERT_TRUE(made->frames->draw(camera_at(built->path, time, 160, 90), time).ok());
+      if (i > 0) captures[alone].push_back(made->frames->stats().captures);
+    }
+  }
+  EXPECT_EQ(captures[0], captures[1]);
+  EXPECT_GT(captures[0][0], 0);
+}
+
 TEST_F(AutoTest, what_only_the_cache_has_is_refused_by_its_name) {
   SoftwareBackend backend(scene_, 4);
   const Result<Method> bakes = make_method("auto", {.bake_mb = 10}, backend);
