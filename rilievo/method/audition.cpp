@@ -13,7 +13,7 @@ namespace rilievo {
 namespace {
 
 // Of what was seen of other frames, when one is added: it is added seldom, and the eye goes on.
-constexpr double kRememberedFrames = 0.9;
+constexpr double kRememberedFrames = 0.8;
 
 // The processor time of this thread.
 double thread_ms() {

@@ -33,9 +33,15 @@ constexpr int kLossFrames = 4, kLossFramesOfLevels = 8, kLooksAgain = 80, kLooks
 // The share of what is allowed that levels may lose: in some scenes they are measured to lose 1 dB
 // less than they do beside true frames, and finer ones cost little.
 constexpr double kOfLevels = 0.8;
-// So many times as many pixels of each frame are looked at until the loss is known: a trial is a
-// few frames.
-constexpr int kLossesOfTrial = 4;
+// So many times as many pixels of each frame are looked at until the loss is known, since a trial
+// is a few frames; and later of levels.
+constexpr int kLossesOfTrial = 4, kLossesOfLevels = 2;
+// Levels of less than this share of the triangles are coarser ones: what was seen of others says
+// nothing.
+constexpr double kSameLevels = 0.8;
+// And so many times as many more before what draws is refused: a look may have met the few pixels
+// that are wrong.
+constexpr int kLossesToRefuse = 8;
 // The share of a frame in how slow the machine is.
 constexpr double kNewestSlowness = 0.05;
 // And between which it is taken to lie: a frame that shows next to nothing, or
@@ -158,6 +164,8 @@ Result<> AutoFrames::measure_loss(const Camera& camera, double time, const AutoC
   if (of.db && frame_ % kLossFrames != 0) return Done{};
   for (int i = of.db ? kLossesOfTrial - 1 : 0; i < kLossesOfTrial; ++i)
     of.db = loss_of(*keyframes_);
+  if (!good_enough(choice.draws))
+    for (int i = 0; i < kLossesToRefuse; ++i) of.db = loss_of(*keyframes_);
   if (of.db && good_enough(choice.draws)) of.refusals = 0;
   return Done{};
 }
@@ -165,10 +173,18 @@ Result<> AutoFrames::measure_loss(const Camera& camera, double time, const AutoC
 // Levels that lose too much become finer: they may still take less than polygons.
 Result<> AutoFrames::measure_loss_of_levels(const Camera& camera, double time) {
   Loss& of = loss_[kLevels];
-  const Result<std::optional<double>> db = look_at_levels(camera, time);
-  if (!db) return db.error();
-  if (!*db) return Done{};
-  of.db = *db;
+  if (load_.level_triangles < kSameLevels * looked_triangles_) {
+    looked_triangles_ = 0;
+    forget_loss_of_levels();
+  }
+  looked_triangles_ = std::max(looked_triangles_, load_.level_triangles);
+  for (const bool again : {false, true}) {
+    const Result<std::optional<double>> db = look_at_levels(camera, time, again);
+    if (!db) return db.error();
+    if (!*db) return Done{};
+    of.db = *db;
+    if (good_enough(kLevels)) break;
+  }
   const bool good = good_enough(kLevels);
   if (good) of.refusals = 0;
   if (!good && make_finer(options_.error_px, levels_)) forget_levels();
@@ -210,18 +226,20 @@ void AutoFrames::begin_fade(int to) {
 
 // By rays, or by polygons in a scene that rays do not know. Often until it is known, since the one
 // frame that was looked at before they drew says little of others. None: it is not known, or was
-// not looked at.
-Result<std::optional<double>> AutoFrames::look_at_levels(const Camera& camera, double time) {
+// not looked at. `again`: it was, and is not good enough.
+Result<std::optional<double>> AutoFrames::look_at_levels(const Camera& camera, double time,
+                                                         bool again) {
   const std::optional<double> unknown;
   const SoftwareTarget* target = active_->software_target();
   if (!target || preparing_ >= 0) return unknown;
-  const bool seldom = !eye_.jumped() && frame_ % kLossFramesOfLevels != 0;
+  const bool seldom = !again && !eye_.jumped() && frame_ % kLossFramesOfLevels != 0;
   if (losses_) {
     const bool known = losses_->db().has_value();
     if (known && seldom) return unknown;
     in_view_.clear();
     backend_.placed().cull(camera, in_view_);
-    losses_->add(camera, in_view_, target->color(), known ? 1 : kLossesOfTrial);
+    const int times = again ? kLossesToRefuse : known ? kLossesOfLevels : kLossesOfTrial;
+    losses_->add(camera, in_view_, target->color(), times);
     return losses_->db();
   }
   if (meshes_triangles_ > kMostForLoss) return unknown;

@@ -110,7 +110,8 @@ class AutoFrames final : public FrameSource {
   void forget_levels();
   void forget_loss_of_levels();
   [[nodiscard]] bool keep_keyframes(const Camera& camera, double time, const AutoChoice& choice);
-  [[nodiscard]] Result<std::optional<double>> look_at_levels(const Camera& camera, double time);
+  [[nodiscard]] Result<std::optional<double>> look_at_levels(const Camera& camera, double time,
+                                                             bool again);
   void prepare(int method, int goes_on = 0);
   [[nodiscard]] bool as_large_as_shown(const Camera& camera) const;
   void begin_fade(int to);
@@ -136,9 +137,10 @@ class AutoFrames final : public FrameSource {
   DirectOrCached* shared_chooser_ = nullptr;       // of frames_[kDirect]
   std::unique_ptr<FrameSource> frames_[kMethods];  // kCache: none, they are kDirect's
   KeyframeFrames* keyframes_ = nullptr;            // of frames_[kKeyframes]
-  int keyframes_seen_ = 0;   // the last frame that they drew, or were prepared for
-  int keyframes_again_ = 0;  // the first frame in which they may be prepared again
-  AutoLevels levels_;        // of frames_[kLevels]
+  int keyframes_seen_ = 0;       // the last frame that they drew, or were prepared for
+  int keyframes_again_ = 0;      // the first frame in which they may be prepared again
+  AutoLevels levels_;            // of frames_[kLevels]
+  double looked_triangles_ = 0;  // in view, when it was seen what they lose
   FrameSource* active_ = nullptr;
   FrameFade fade_;                         // from another method's frames
   int fades_out_ = -1;                     // that method

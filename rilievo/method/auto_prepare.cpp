@@ -140,7 +140,7 @@ Result<> AutoFrames::adopt() {
   }
   const double ms = made_.found.processor_ms / threads_;
   if (method == kLevels && levels_.levels && stage_ == Preparing::looked_at)
-    measure_load(made_.shown.camera);
+    measure_load(made_.shown.camera), looked_triangles_ = load_.level_triangles;
   const double guess_ms = method == kLevels ? slowness_ * load_.levels_ms()
                                             : outlook_[std::size_t(method)].guess_ms / off_[method];
   if (stage_ == Preparing::looked_at && ms > 0 && guess_ms > 0)
