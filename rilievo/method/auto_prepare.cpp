@@ -51,7 +51,10 @@ void AutoFrames::prepare(int method, int goes_on) {
   // What moves is not where the rays' scene has it.
   const bool measures = method != kRays && meshes_triangles_ <= kMostForLoss && !moves_;
   const double pixels = double(width_) * height_;
-  beside_->run([this, method, &scene, measures, pixels, goes_on, error_px = options_.error_px] {
+  beside_->run([this, method, &scene, measures, pixels, goes_on, error_px = options_.error_px,
+                width = width_, height = height_] {
+    // The frame that copies a picture there must not touch new memory.
+    made_.shown.color = Rgba8Image(width, height);
     if (measures && !losses_)
       if (Result<RayScene> rays = RayScene::create(scene))
         losses_ = std::make_unique<FrameLoss>(std::move(*rays));

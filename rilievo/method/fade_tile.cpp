@@ -137,8 +137,13 @@ HWY_INLINE VU mixed(const FadedFrames& frames, int x, int y, VU color, VF w) {
                                            : gather_texels(frames, texels);
   const auto same = hn::And(inside, hn::Le(hn::Abs(hn::Sub(old.inverse_z, expected)),
                                            hn::Mul(of(kSameSurface), expected)));
+  const VF passed = hn::Mul(w, of(frames.way));
+  const VF as_before =
+      hn::Mul(hn::Sub(of(kOtherShading), passed), of(1 / (kOtherShading - kSameShading)));
+  const VF of_old = hn::Mul(hn::Min(hn::Max(as_before, zero), of(1)), of(float(frames.old_weight)));
   return hn::IfThenElse(hn::RebindMask(u, same),
-                        mix_bytes(color, old.color, hn::Set(u, frames.old_weight)), color);
+                        mix_bytes(color, old.color, hn::BitCast(u, hn::ConvertTo(i, of_old))),
+                        color);
 }
 
 void fade(const FadedFrames& frames, FrameTile& tile) {

@@ -9,6 +9,10 @@
 
 namespace rilievo {
 
+// What is seen from the side of another direction shines otherwise: of a surface that the eye has
+// passed by the first angle all of the old frame counts, and nothing by the second one, in radians.
+inline constexpr float kSameShading = 0.03f, kOtherShading = 0.1f;
+
 // Two frames of the same size.
 struct FadedFrames {
   // sRGB bytes and 1 / eye_z of the new frame and of the old one, by rows.
@@ -21,6 +25,7 @@ struct FadedFrames {
   glm::vec3 step{0};
   // From a point of the old eye's plane at distance 1 to the raster: (point - start) to_raster.
   glm::vec2 to_raster{1}, raster_start{0};
+  float way = 0;                 // of the eye, between the frames
   std::uint32_t old_weight = 0;  // in shares of 256
 };
 

@@ -51,6 +51,7 @@ void FrameFade::mix(const SoftwareTarget& frame, const Camera& camera) {
       glm::mat3(turn * glm::dmat3({across, 0, 0}, {0, down, 0},
                                   {window.left + across / 2, window.top + down / 2, -1}));
   frames_.step = glm::vec3(old_from_eye[3]);
+  frames_.way = glm::length(frames_.step);
   const ImageWindow& old = old_camera_.window;
   frames_.to_raster = {float(old_camera_.width / (old.right - old.left)),
                        float(old_camera_.height / (old.bottom - old.top))};

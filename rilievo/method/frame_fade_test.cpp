@@ -145,7 +145,7 @@ TEST_P(RolledFadeTest, what_the_old_frame_shows_is_found_by_the_new_ones_depth) 
   FrameFade fade;
   fade.begin(old, from);
   fade.mix(now, to);
-  const double weight = double(FrameFade::kFrames) / (FrameFade::kFrames + 1);
+  const double of_old = double(FrameFade::kFrames) / (FrameFade::kFrames + 1);
   int mixed = 0, seen = 0;
   for (int y = 0; y < to.height; ++y)
     for (int x = 0; x < to.width; ++x) {
@@ -153,6 +153,10 @@ TEST_P(RolledFadeTest, what_the_old_frame_shows_is_found_by_the_new_ones_depth) 
       const glm::dvec3 at =
           raster_from_world(from, world_from_raster(to, {x + 0.5, y + 0.5}, eye_z));
       const int px = int(std::floor(at.x)), py = int(std::floor(at.y));
+      const double passed = glm::distance(from.position(), to.position()) / eye_z;
+      const double weight = of_old * std::clamp((double(kOtherShading) - passed) /
+                                                    double(kOtherShading - kSameShading),
+                                                0.0, 1.0);
       const glm::u8vec4 shown = fade.target().color()(x, y), fresh = now.color()(x, y);
       // Well inside of one texel, and of one surface.
       if (px < 1 || py < 1 || px + 1 >= from.width || py + 1 >= from.height) continue;
@@ -175,6 +179,25 @@ TEST_P(RolledFadeTest, what_the_old_frame_shows_is_found_by_the_new_ones_depth) 
     }
   EXPECT_GT(seen, roll_ == 0 ? 15000 : 8000);
   EXPECT_GT(mixed, seen / 2);
+}
+
+// What it shows may shine otherwise.
+TEST_F(FrameFadeTest, of_what_the_eye_passes_close_by_the_old_frame_does_not_count) {
+  const SoftwareTarget& now = draw(0, 0);
+  const SoftwareTarget old = darker(now);
+  const double all = mean_difference(old.color(), now.color());
+  FrameFade fade;
+  double last = all;
+  for (const double way : {0.0, 0.5, 1000.0}) {
+    Camera from = camera(0);
+    from.world_from_eye[3] += way * from.world_from_eye[2];  // it came from behind
+    fade.begin(old, from);
+    fade.mix(now, camera(0));
+    const double mixed = mean_difference(fade.target().color(), now.color());
+    EXPECT_LT(mixed, last) << way;
+    last = mixed;
+  }
+  EXPECT_EQ(last, 0);
 }
 
 TEST_F(FrameFadeTest, objects_are_those_of_the_new_frame) {
