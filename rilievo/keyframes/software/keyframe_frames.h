@@ -36,7 +36,7 @@ struct KeyframeFramesOptions {
   double most_filled = 0.2;
   // Up to so many holes get all samples of a pixel. Of more each gets one, which later frames show
   // again (hole_points.h).
-  std::size_t most_fine = 20000;
+  std::size_t most_fine = 12000;
   NearObjectsOptions near;  // what is drawn as polygons because it is near; by the rasteriser only
   // With a limit of time, are whole frames polygons where these take less?
   bool polygons_where_cheaper = true;
