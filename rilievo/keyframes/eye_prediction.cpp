@@ -38,7 +38,8 @@ glm::dvec3 shortened(const glm::dvec3& step, const glm::dvec3& before) {
 }  // namespace
 
 void EyePrediction::follow(const Camera& camera) {
-  jumped_ = false, speed_known_ = true;
+  const bool was_known = std::exchange(speed_known_, true);
+  jumped_ = false;
   if (any_) {
     const glm::dvec3 step = camera.position() - last_.position();
     const glm::dvec3 turn = rotation_between(last_, camera);
@@ -54,9 +55,10 @@ void EyePrediction::follow(const Camera& camera) {
       step_ = turn_ = glm::dvec3(0);
     } else {
       speed_known_ = step_before != glm::dvec3(0) || turn_before != glm::dvec3(0);
-      const bool first = step_ == glm::dvec3(0) && turn_ == glm::dvec3(0);
-      const glm::dvec3 counted = shortened(step, step_before),
-                       turned = shortened(turn, turn_before);
+      const bool first = !was_known || (step_ == glm::dvec3(0) && turn_ == glm::dvec3(0));
+      // The first one says at least where the eye goes; the second one replaces it.
+      const glm::dvec3 counted = speed_known_ ? shortened(step, step_before) : step,
+                       turned = speed_known_ ? shortened(turn, turn_before) : turn;
       step_ = first ? counted : glm::mix(step_, counted, kNewest);
       turn_ = first ? turned : glm::mix(turn_, turned, kNewest);
     }

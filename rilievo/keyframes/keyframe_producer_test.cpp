@@ -57,6 +57,13 @@ TEST(EyePrediction, AFrameThatTakesLongTellsNothingOfTheEyesSpeed) {
   }
 }
 
+// What begins with the second frame asks where the eye goes.
+TEST(EyePrediction, TheFirstStepSaysWhereTheEyeGoes) {
+  EyePrediction prediction;
+  for (const int at : {0, 1}) prediction.follow(ProducerStage::eye(at));
+  EXPECT_EQ(prediction.after(10).position(), ProducerStage::eye(11).position());
+}
+
 TEST(KeyframeProducer, TheEyeOfASteadyWalkIsBetweenTwoKeyframes) {
   ProducerStage stage;
   KeyframeProducer producer(stage.source, stage.source, {.samples = 1, .interval = 4});
