@@ -87,6 +87,20 @@ StoredNode StoredNode::create(const EnvironmentMap& map, const NodeMesh& mesh) {
   node.bytes_ = rilievo::bytes(mesh) +
                 std::size_t(6) * std::size_t(size) * std::size_t(size) * (node.objects_ ? 12 : 8);
 
+  static_assert(sizeof(NodeVertex) == 8 * sizeof(float), "two vectors of the edges' shader");
+  const std::array<std::vector<MeshEdge>, 6> edges = find_mesh_edges(mesh);
+  std::vector<std::array<std::uint32_t, 4>> corners;
+  for (std::size_t f = 0; f < 6; ++f) {
+    node.first_edge_[f] = corners.size();
+    for (const MeshEdge& edge : edges[f]) {
+      corners.push_back({edge.from, edge.to, edge.inner, edge.outer});
+      node.edge_reaches_[f].push_back(edge.reach);
+    }
+  }
+  const std::size_t edge_bytes = corners.size() * sizeof corners[0];
+  if (edge_bytes > 0) node.edges_ = gl::make_buffer(edge_bytes, corners.data());
+  node.bytes_ += edge_bytes + corners.size() * sizeof(float);
+
   node.vertex_array_ = gl::make_vertex_array();
   const GLuint array = node.vertex_array_;
   glVertexArrayVertexBuffer(array, 0, node.vertices_, 0, sizeof(NodeVertex));
@@ -126,7 +140,9 @@ Result<NodeDrawer> NodeDrawer::create() {
        {keep(shader::make_node_program(NodeOutput::direction), drawer.direction_),
         keep(shader::make_node_skin_program(NodeOutput::direction), drawer.direction_skin_),
         keep(shader::make_cube_map_program(), drawer.cube_map_),
-        keep(shader::make_node_line_program(), drawer.line_)})
+        keep(shader::make_node_line_program(), drawer.line_),
+        keep(shader::make_node_merged_program(), drawer.merged_),
+        keep(shader::make_node_edge_program(), drawer.edge_)})
     if (!made) return made.error();
   for (int merge = 1; merge <= 4; ++merge)
     if (Result<> made = use_merge(drawer.color_, merge, 2); !made) return made.error();
@@ -190,6 +206,11 @@ Result<> NodeDrawer::make_layers(int width, int height, int count, bool objects)
   if (!enough) {
     layer_colors_ = gl::make_texture_2d_array(GL_RGBA8, width, height, count);
     layer_depths_ = gl::make_texture_2d_array(GL_DEPTH_COMPONENT32F, width, height, count);
+    merged_color_ = gl::make_texture_2d(GL_RGBA8, width, height);
+    merged_depth_ = gl::make_texture_2d(GL_DEPTH_COMPONENT32F, width, height);
+    merged_framebuffer_ = gl::make_framebuffer();
+    glNamedFramebufferTexture(merged_framebuffer_, GL_COLOR_ATTACHMENT0, merged_color_, 0);
+    glNamedFramebufferTexture(merged_framebuffer_, GL_DEPTH_ATTACHMENT, merged_depth_, 0);
   }
   layer_objects_ =
       objects ? gl::make_texture_2d_array(GL_R32UI, width, height, count) : gl::Texture();
@@ -223,8 +244,29 @@ Result<> NodeDrawer::use_merge(Output& output, int merge, std::size_t nodes) {
   return Done{};
 }
 
+// The program is the current one.
+void NodeDrawer::draw_edges(const Camera& frame, const StoredNode& node, Sides sides) const {
+  if (!node.edges_) return;
+  const std::array<bool, 6> visible = visible_faces(node.shape_, node.reaches_, frame);
+  const glm::mat4 to_clip(clip_from_node(node.shape_, frame));
+  const double distance = glm::distance(frame.position(), node.eye());
+  glUniformMatrix4fv(20, 1, GL_FALSE, &to_clip[0][0]);
+  glUniform1i(21, sides == Sides::front);
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, node.vertices_);
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, node.edges_);
+  for (std::size_t f = 0; f < 6; ++f) {
+    const std::vector<float>& reaches = node.edge_reaches_[f];
+    const auto end = std::upper_bound(reaches.begin(), reaches.end(), float(distance));
+    if (visible[f] && end != reaches.begin())
+      glDrawArrays(GL_LINES, GLint(2 * node.first_edge_[f]), GLsizei(2 * (end - reaches.begin())));
+  }
+}
+
 void NodeDrawer::begin_layer(std::size_t layer, bool objects) const {
-  const GLuint name = layer_framebuffers_[layer];
+  begin_framebuffer(layer_framebuffers_[layer], objects);
+}
+
+void NodeDrawer::begin_framebuffer(GLuint name, bool objects) {
   const GLfloat nothing[] = {0, 0, 0, 0}, far = 1;
   const GLuint no_object[] = {0, 0, 0, 0};
   const GLenum buffers[] = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1};
@@ -299,6 +341,10 @@ Result<> NodeDrawer::draw_output(Output& output, const Camera& frame,
     draw_node(frame, *nodes[i], nullptr, &output.layer_skin, i == 0 ? widest : kCrack, Sides::both);
   }
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, GLuint(framebuffer));
+  GLint samples = 0;
+  glGetIntegerv(GL_SAMPLES, &samples);
+  const bool antialiased = !output.objects && samples > 1 && samples <= shader::kMaxEdgeSamples;
+  if (antialiased) begin_framebuffer(merged_framebuffer_, false);
   if (Result<> made = use_merge(output, int(options.merge), nodes.size()); !made) return made;
   glBindVertexArray(no_vertices_);
   glBindTextureUnit(0, layer_colors_);
@@ -318,7 +364,37 @@ Result<> NodeDrawer::draw_output(Output& output, const Camera& frame,
                 float((window.top - window.bottom) / frame.height));
   }
   glDrawArrays(GL_TRIANGLES, 0, 3);
+  if (!antialiased) return Done{};
+  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, GLuint(framebuffer));
+  draw_merged(frame, nodes, samples);
   return Done{};
+}
+
+void NodeDrawer::draw_merged(const Camera& frame, std::span<const StoredNode* const> nodes,
+                             int samples) const {
+  glBindTextureUnit(0, merged_color_);
+  glBindTextureUnit(1, merged_depth_);
+  glUseProgram(merged_);
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+  glUseProgram(edge_);
+  glUniform2f(2, float(frame.z_near), float(frame.z_far));
+  glm::vec2 from_centre[shader::kMaxEdgeSamples];
+  for (int i = 0; i < samples; ++i) {
+    glGetMultisamplefv(GL_SAMPLE_POSITION, GLuint(i), &from_centre[i].x);
+    from_centre[i] -= 0.5f;
+  }
+  glUniform1i(22, samples);
+  glUniform2fv(23, samples, &from_centre[0].x);
+  // Half of its width lies on each side of a line: nearly all samples beyond it that are of pixels
+  // whose centres are not.
+  glLineWidth(1);
+  glEnable(GL_DEPTH_CLAMP);
+  glDepthRange(0, kFarthest);
+  glDepthMask(GL_FALSE);
+  for (std::size_t i = 0; i < nodes.size(); ++i) draw_edges(frame, *nodes[i], sides_of(i == 0));
+  glDepthMask(GL_TRUE);
+  glDepthRange(0, 1);
+  glDisable(GL_DEPTH_CLAMP);
 }
 
 void NodeDrawer::draw_lines(const Camera& frame, std::span<const glm::dvec3> ends) {

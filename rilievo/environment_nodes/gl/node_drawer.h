@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "rilievo/environment_nodes/gl/node_shaders.h"
+#include "rilievo/environment_nodes/mesh_edges.h"
 #include "rilievo/environment_nodes/node_mesh.h"
 #include "rilievo/environment_nodes/node_store.h"
 #include "rilievo/environment_nodes/visible_faces.h"
@@ -38,6 +39,10 @@ class StoredNode {
   gl::Texture disparities_;  // likewise, 1 / eye_z of the face
   gl::Texture objects_;      // likewise, identifiers; 0 if the pictures have none
   gl::Buffer vertices_, indices_;
+  gl::Buffer edges_;  // what may be silhouettes, face by face
+  // Of each face the first edge, and the reaches of all, ascending.
+  std::array<std::size_t, 6> first_edge_{};
+  std::array<std::vector<float>, 6> edge_reaches_;
   gl::VertexArray vertex_array_;
   std::size_t bytes_ = 0, triangles_ = 0;
 };
@@ -52,7 +57,8 @@ class NodeDrawer {
 
   // Draws one to kMaxNodes nodes, the nearest to the eye first. Of the others only what the eye
   // sees from the front. If the eye is at the first node's own place, only that node is drawn,
-  // because it shows everything visible from there. Fails where buffers cannot be allocated.
+  // because it shows everything visible from there. Into a framebuffer of several samples a pixel
+  // silhouettes of merged nodes are antialiased. Fails where buffers cannot be allocated.
   Result<> draw(const Camera& frame, std::span<const StoredNode* const> nodes,
                 const NodeDrawOptions& options);
 
@@ -93,18 +99,26 @@ class NodeDrawer {
                        std::span<const StoredNode* const> nodes, std::uint32_t object,
                        const NodeDrawOptions& options);
   void begin_layer(std::size_t layer, bool objects) const;
+  static void begin_framebuffer(GLuint name, bool objects);
   // Makes the program the current one.
   static Result<> use_merge(Output& output, int merge, std::size_t nodes);
+  // Draws what was merged, and the silhouettes of the nodes, into a frame of several samples.
+  void draw_merged(const Camera& frame, std::span<const StoredNode* const> nodes,
+                   int samples) const;
+  void draw_edges(const Camera& frame, const StoredNode& node, Sides sides) const;
   Result<> make_layers(int width, int height, int count, bool objects);
 
   Output color_, objects_;
-  gl::Program direction_, direction_skin_, cube_map_, line_;
+  gl::Program direction_, direction_skin_, cube_map_, line_, merged_, edge_;
   gl::VertexArray no_vertices_;
   gl::StreamBuffer line_buffer_;
   std::vector<glm::vec4> line_ends_;
   int width_ = 0, height_ = 0, count_ = 0;
   gl::Texture layer_colors_, layer_depths_, layer_objects_;
   std::vector<gl::Framebuffer> layer_framebuffers_;
+  // What was merged, of one sample a pixel, where the frame has several.
+  gl::Texture merged_color_, merged_depth_;
+  gl::Framebuffer merged_framebuffer_;
 };
 
 }  // namespace rilievo

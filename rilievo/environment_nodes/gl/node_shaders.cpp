@@ -258,6 +258,87 @@ void main() {
 }
 )";
 
+// Edges of a mesh that are silhouettes for the eye, as lines (mesh_edges.h); the others are drawn
+// beyond the frame. In (x, y, w) of clip space the line through two points is their cross product.
+// Lines are drawn nearer to the eye, 1 / NEARER times as far away, so that the depth test spares
+// what is surely hidden: with z / w = A + B / eye_z, z grows by (NEARER - 1) (z - A w).
+const char* const kEdgeVertex = R"(#version 450
+layout(std430, binding = 0) restrict readonly buffer Vertices { vec4 vertices[]; };  // two each
+layout(std430, binding = 1) restrict readonly buffer Edges { uvec4 edges[]; };
+layout(location = 2) uniform vec2 planes;  // z_near, z_far
+layout(location = 20) uniform mat4 clip_from_node;
+layout(location = 21) uniform bool front_only;
+flat out vec3 v_line;  // times (x, y, 1): positive on the surface's side
+vec4 corner(uint i) { return clip_from_node * vertices[2u * i]; }
+void main() {
+  uvec4 edge = edges[gl_VertexID >> 1];
+  vec4 from = corner(edge.x), to = corner(edge.y);
+  vec3 line = cross(from.xyw, to.xyw);
+  bool from_front = dot(line, corner(edge.z).xyw) > 0.0;
+  bool hidden = edge.w != 0xffffffffu ? from_front == (dot(line, corner(edge.w).xyw) < 0.0)
+                                      : front_only && !from_front;
+  v_line = from_front ? line : -line;
+  gl_Position = hidden ? vec4(2.0, 2.0, 2.0, 1.0) : (gl_VertexID & 1) == 0 ? from : to;
+  float a = (planes.y + planes.x) / (planes.y - planes.x);
+  if (!hidden) gl_Position.z += (NEARER - 1.0) * (gl_Position.z - a * gl_Position.w);
+}
+)";
+
+// Of what was merged in a picture of its own.
+const char* const kMergedFragment = R"(#version 450
+layout(binding = 0) uniform sampler2D colors;
+layout(binding = 1) uniform sampler2D depths;
+layout(location = 0) out vec4 out_color;
+void main() {
+  ivec2 pixel = ivec2(gl_FragCoord.xy);
+  out_color = texelFetch(colors, pixel, 0);
+  if (out_color.a == 0.0) discard;
+  gl_FragDepth = texelFetch(depths, pixel, 0).r;
+}
+)";
+
+// Of each pixel that a line crosses, the samples beyond it, as seen from the pixel's centre, show
+// what the neighbour there does, above or below, or beside where the line is steep; cf. [Persson
+// 2011, Geometric Post-process Anti-Aliasing]. Only where one of both shows the edge's surface, at
+// up to NEARER times the edge's depth, and the other what is behind: another node, or what is in
+// front, may cover the edge. Depths remain as they are.
+const char* const kEdgeFragment = R"(#version 450
+layout(binding = 0) uniform sampler2D colors;
+layout(binding = 1) uniform sampler2D depths;
+layout(location = 2) uniform vec2 planes;  // z_near, z_far
+layout(location = 22) uniform int count;   // of samples
+layout(location = 23) uniform vec2 from_centre[MAX_SAMPLES];
+layout(early_fragment_tests) in;
+flat in vec3 v_line;
+layout(location = 0) out vec4 out_color;
+const float kBehind = 1.015;  // as by software
+float eye_z(float window_z) {
+  return planes.x * planes.y / (planes.y - window_z * (planes.y - planes.x));
+}
+void main() {
+  ivec2 pixel = ivec2(gl_FragCoord.xy);
+  vec2 clip_per_pixel = 2.0 / vec2(textureSize(depths, 0));
+  float value = dot(v_line, vec3((vec2(pixel) + 0.5) * clip_per_pixel - 1.0, 1.0));
+  vec2 change = v_line.xy * clip_per_pixel;
+  int mask = 0;
+  for (int i = 0; i < count; ++i)
+    if (value * (value + dot(change, from_centre[i])) < 0.0) mask |= 1 << i;
+  bool steep = abs(change.x) > abs(change.y);
+  int toward = value * (steep ? change.x : change.y) > 0.0 ? -1 : 1;
+  ivec2 beyond = pixel + (steep ? ivec2(toward, 0) : ivec2(0, toward));
+  vec4 own = texelFetch(colors, pixel, 0), other = texelFetch(colors, beyond, 0);
+  float own_depth = texelFetch(depths, pixel, 0).r, depth = texelFetch(depths, beyond, 0).r;
+  float edge = NEARER * eye_z(gl_FragCoord.z);
+  float surface = eye_z(value > 0.0 ? own_depth : depth);
+  float behind = eye_z(value > 0.0 ? depth : own_depth);
+  if (mask == 0 || own.a * other.a == 0.0 || behind < kBehind * surface ||
+      surface > NEARER * edge || edge > NEARER * surface)
+    discard;
+  gl_SampleMask[0] = mask;
+  out_color = other;
+}
+)";
+
 const char* const kCubeMapVertex = R"(#version 450
 layout(location = 0) uniform vec3 rays[3];
 out vec3 v_direction;
@@ -314,6 +395,16 @@ Result<gl::Program> make_node_merge_program(int merge, int layers, bool objects)
                           "#define MERGE " + std::to_string(merge) + "\n#define LAYERS " +
                               std::to_string(layers) + "\n" +
                               (objects ? "#define OBJECT 1\n" : ""));
+}
+
+Result<gl::Program> make_node_merged_program() {
+  return gl::make_program("merged nodes", kMergeVertex, kMergedFragment);
+}
+
+Result<gl::Program> make_node_edge_program() {
+  return gl::make_program(
+      "node edges", kEdgeVertex, kEdgeFragment,
+      "#define NEARER 1.1\n#define MAX_SAMPLES " + std::to_string(kMaxEdgeSamples) + "\n");
 }
 
 }  // namespace rilievo::shader

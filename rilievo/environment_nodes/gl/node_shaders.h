@@ -30,4 +30,10 @@ enum class NodeOutput {
 // `objects` the identifier of the node that counts most.
 [[nodiscard]] Result<gl::Program> make_node_merge_program(int merge, int layers, bool objects);
 
+// The program that draws what was merged in a picture of its own into the frame, and the one that
+// draws a node's silhouettes over it: samples beyond them get what is there.
+inline constexpr int kMaxEdgeSamples = 16;  // of a pixel
+[[nodiscard]] Result<gl::Program> make_node_merged_program();
+[[nodiscard]] Result<gl::Program> make_node_edge_program();
+
 }  // namespace rilievo::shader

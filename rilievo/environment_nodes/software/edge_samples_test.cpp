@@ -7,7 +7,7 @@
 #include <cstring>
 
 #include "rilievo/core/count_allocations_test_helpers.h"
-#include "rilievo/environment_nodes/software/mesh_edges.h"
+#include "rilievo/environment_nodes/mesh_edges.h"
 #include "rilievo/environment_nodes/software/slow_nodes_test_helpers.h"
 #include "rilievo/environment_nodes/visible_faces.h"
 

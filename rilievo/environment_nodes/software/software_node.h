@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "rilievo/core/depth_image.h"
+#include "rilievo/environment_nodes/mesh_edges.h"
 #include "rilievo/environment_nodes/node_mesh.h"
-#include "rilievo/environment_nodes/software/mesh_edges.h"
 #include "rilievo/environment_nodes/visible_faces.h"
 
 namespace rilievo {

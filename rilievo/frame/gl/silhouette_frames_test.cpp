@@ -21,8 +21,8 @@ TEST_P(SilhouetteFrames, pixels_along_a_silhouette_are_mixed) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, SilhouetteFrames,
-                         testing::Values("direct", "layered-impostor", "layered-relief",
-                                         "nailboard", "relief-impostor"));
+                         testing::Values("direct", "environment-nodes", "layered-impostor",
+                                         "layered-relief", "nailboard", "relief-impostor"));
 
 }  // namespace
 }  // namespace rilievo

@@ -1,5 +1,4 @@
-// Which edges of a node's mesh can be silhouettes in a frame? Internal to
-// environment_nodes/software.
+// Which edges of a node's mesh can be silhouettes in a frame?
 //
 // An edge is a silhouette where one triangle alone has it, or where the eye sees one of its two
 // triangles from behind. No eye does so that is nearer to the node than the planes of both.

@@ -1,4 +1,4 @@
-#include "rilievo/environment_nodes/software/mesh_edges.h"
+#include "rilievo/environment_nodes/mesh_edges.h"
 
 #include <algorithm>
 #include <cmath>
