@@ -78,7 +78,7 @@ TEST(KeyframeBound, HoldsForEveryPixelThatIsMeasured) {
       measured += walked.measured;
       // Loose: everything is taken to be as near as the nearest thing. Of the largest error that
       // was drawn it is less than so many times.
-      EXPECT_LT(walked.bound_px, 10 * walked.largest_px);
+      EXPECT_LT(walked.bound_px, 11 * walked.largest_px);
     }
   EXPECT_GT(measured, 1000000u);
 }
@@ -106,6 +106,33 @@ TEST(KeyframeBound, GrowsWithTheWayFromTheKeyframe) {
     // From the keyframe's own eye nothing is hidden.
     EXPECT_EQ(bound.gap_px > 0, way > 0);
   }
+}
+
+// A keyframe bounds no gap of what it does not look at.
+TEST(KeyframeBound, TheGapIsThatOfAKeyframeThatSeesAllOfTheFrame) {
+  const auto eye_at = [](double x, double turn) {
+    const glm::dvec3 at(x, 0, 0), forward(std::sin(turn), 0, -std::cos(turn));
+    return look_at(at, at + forward, {0, 1, 0}, 0.9, 256, 144, 0.1, 100);
+  };
+  const auto keyframe_of = [&](double x, double turn) {
+    Keyframe key;
+    resize(key, keyframe_camera(eye_at(x, turn), 1.2));
+    std::fill(key.inverse_z.texels().begin(), key.inverse_z.texels().end(), 0.1f);
+    find_ranges(key, 0, key.camera.width);
+    return key;
+  };
+  const Camera frame = eye_at(0, 0);
+  const Keyframe near = keyframe_of(0.01, 0), aside = keyframe_of(0.01, 0.3),
+                 far = keyframe_of(-0.5, 0);
+  const auto gap = [&](std::initializer_list<const Keyframe*> keys) {
+    std::vector<WarpedKeyframe> all;
+    for (const Keyframe* key : keys) all.push_back({key, 1});
+    return bound_keyframes(all, frame).gap_px;
+  };
+  EXPECT_GT(gap({&far}), 10 * gap({&near}));
+  EXPECT_EQ(gap({&near, &far}), gap({&near}));
+  EXPECT_EQ(gap({&aside, &far}), gap({&far}));
+  EXPECT_EQ(gap({&aside, &near}), gap({&near}));
 }
 
 }  // namespace

@@ -25,12 +25,29 @@ double nearest_of(const Keyframe& key) {
   return nearest;
 }
 
+// Does the keyframe see all that the frame's eye sees, from 1 / eye_z `nearest` on? Places are
+// ratios of affine functions: their extremes are at corners.
+bool sees_all(const Keyframe& key, const Camera& frame, double nearest) {
+  const RasterMap map = raster_map(key.camera, frame);
+  for (int i = 0; i < 8; ++i) {
+    const double x = i & 1 ? frame.width : 0, y = i & 2 ? frame.height : 0, w = i & 4 ? nearest : 0;
+    const auto row = [&](const float(&r)[4]) { return r[0] * x + r[1] * y + r[2] + r[3] * w; };
+    const double z = row(map.z), at_x = row(map.x), at_y = row(map.y);
+    // Rounding must not make it narrower.
+    const double slack = 1e-3 * z;
+    if (!(z > 0 && at_x >= -slack && at_x <= z * key.camera.width + slack && at_y >= -slack &&
+          at_y <= z * key.camera.height + slack))
+      return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 KeyframeBound bound_keyframes(std::span<const WarpedKeyframe> keyframes, const Camera& frame) {
   KeyframeBound bound;
   const double f = pixels_of_tangent(frame), t = largest_tangent(frame.window);
-  bool first = true;
+  double widest = 0, narrowest = HUGE_VAL;
   for (const WarpedKeyframe& one : keyframes) {
     RILIEVO_EXPECTS(one.keyframe != nullptr);
     const Camera& camera = one.keyframe->camera;
@@ -50,9 +67,10 @@ KeyframeBound bound_keyframes(std::span<const WarpedKeyframe> keyframes, const C
     const double along = slack < 1 ? f * (1 + t) * slack / (1 - slack) : HUGE_VAL;
     bound.error_px = std::max(bound.error_px, std::sqrt(2.0) * m + along);
     const double gap = f * (1 + t) * nearest * b;
-    bound.gap_px = first ? gap : std::min(bound.gap_px, gap);
-    first = false;
+    widest = std::max(widest, gap);
+    if (sees_all(*one.keyframe, frame, nearest)) narrowest = std::min(narrowest, gap);
   }
+  bound.gap_px = std::min(widest, narrowest);
   return bound;
 }
 
