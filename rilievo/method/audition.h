@@ -20,9 +20,11 @@ namespace rilievo {
 // How much less like the truth frames are than direct drawing, as rays measure it.
 class FrameLoss {
  public:
-  explicit FrameLoss(RayScene rays) : rays_(std::move(rays)), loss_(*rays_) {}
+  explicit FrameLoss(RayScene rays) : own_(std::move(rays)), rays_(&*own_), loss_(*rays_) {}
   // `rays` must outlive the object.
-  explicit FrameLoss(const RayScene* rays) : loss_(*rays) {}
+  explicit FrameLoss(const RayScene* rays) : rays_(rays), loss_(*rays_) {}
+  FrameLoss(const FrameLoss&) = delete;
+  FrameLoss& operator=(const FrameLoss&) = delete;
 
   // Looks at some pixels of a frame of `objects`, `times` as many as SampledLoss does.
   void add(const Camera& camera, std::span<const std::uint32_t> objects, const Rgba8Image& color,
@@ -30,9 +32,11 @@ class FrameLoss {
   void forget() { loss_.forget(); }
   // dB; none: too little was seen.
   [[nodiscard]] std::optional<double> db() const;
+  [[nodiscard]] const RayScene& rays() const { return *rays_; }
 
  private:
-  std::optional<RayScene> rays_;  // its own
+  std::optional<RayScene> own_;
+  const RayScene* rays_;
   SampledLoss loss_;
   Image<std::uint32_t> shown_;
 };

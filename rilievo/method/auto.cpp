@@ -150,7 +150,7 @@ bool AutoFrames::good_enough(int method) {
     ++of.refusals;
     of.db.reset();
     if (method == kKeyframes && keyframes_) keyframes_->forget_loss();
-    if (method == kLevels && losses_) losses_->forget();
+    if (method == kLevels && looks_) looks_->forget();
     if (method == kLevels && pieces_) pieces_->forget();
   }
   return good();
@@ -200,8 +200,7 @@ void AutoFrames::forget_levels() {
 
 void AutoFrames::forget_loss_of_levels() {
   loss_[kLevels].db.reset();
-  // Of the other thread, while something is prepared: adopt() forgets them.
-  if (preparing_ < 0 && losses_) losses_->forget();
+  if (looks_) looks_->forget();
   if (pieces_) pieces_->forget();
 }
 
@@ -231,18 +230,18 @@ Result<std::optional<double>> AutoFrames::look_at_levels(const Camera& camera, d
                                                          bool again) {
   const std::optional<double> unknown;
   const SoftwareTarget* target = active_->software_target();
-  if (!target || preparing_ >= 0) return unknown;
+  if (!target) return unknown;
   const bool seldom = !again && !eye_.jumped() && frame_ % kLossFramesOfLevels != 0;
-  if (losses_) {
-    const bool known = losses_->db().has_value();
+  if (looks_) {
+    const bool known = looks_->db().has_value();
     if (known && seldom) return unknown;
     in_view_.clear();
     backend_.placed().cull(camera, in_view_);
     const int times = again ? kLossesToRefuse : known ? kLossesOfLevels : kLossesOfTrial;
-    losses_->add(camera, in_view_, target->color(), times);
-    return losses_->db();
+    looks_->add(camera, in_view_, target->color(), times);
+    return looks_->db();
   }
-  if (meshes_triangles_ > kMostForLoss) return unknown;
+  if (preparing_ >= 0 || meshes_triangles_ > kMostForLoss) return unknown;
   if (!pieces_) {
     Result<SoftwareBackend*> software = backend_.software();
     if (!software) return software.error();

@@ -161,6 +161,7 @@ class AutoFrames final : public FrameSource {
   double off_[kMethods] = {1, 1, 1, 1, 1};  // times as much as its model says
   std::optional<double> cache_loss_;        // none: not known
   std::unique_ptr<FrameLoss> losses_;       // of the other thread, while something is prepared
+  std::optional<FrameLoss> looks_;          // at levels that draw, by the same rays
   std::optional<PieceLoss> pieces_;         // of levels, where rays do not know the scene
   SharedEye shared_eye_;
   std::atomic<bool> prepared_{false};

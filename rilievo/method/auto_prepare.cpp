@@ -116,6 +116,8 @@ Result<> AutoFrames::adopt() {
     return Done{};
   }
   const int method = std::exchange(preparing_, -1);
+  // Something may be prepared again before levels draw.
+  if (losses_ && !looks_) looks_.emplace(&losses_->rays());
   Result<SoftwareBackend*> software = backend_.software();
   if (!software) return software.error();
   if (stage_ == Preparing::looked_at) {
