@@ -24,8 +24,9 @@ TEST(Method, keyframes_of_either_source_show_every_object_in_view) {
     SoftwareBackend other(built->scene, 4);
     const Result<Method> direct = make_method("direct-raster", options, other);
     ASSERT_TRUE(direct.ok());
-    // The second keyframe is complete after fifteen bands of 16 columns of 231, if the eye turns.
-    for (int i = 0; i < 17; ++i) {
+    // The second keyframe begins in the third frame, when it is known how fast the eye goes, and is
+    // complete after fifteen bands of 16 columns of 231, if the eye turns.
+    for (int i = 0; i < 18; ++i) {
       const double time = frame_time(built->path, 2 * i);
       const Camera camera = camera_at(built->path, time, 160, 96);
       ASSERT_TRUE(made->frames->draw(camera, time).ok());
