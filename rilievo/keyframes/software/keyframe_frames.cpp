@@ -98,7 +98,7 @@ struct KeyframeFrames::State {
   void divide_view(bool any_keyframes);
   Result<> look_for_unshown();
   Result<> warp(double time);
-  Result<> take_memory();
+  void take_memory();
   std::size_t find_holes();
   [[nodiscard]] float nearest_of(std::span<const std::uint32_t> objects) const;
   Result<> warp_from(std::span<const WarpedKeyframe> keyframes);
@@ -175,9 +175,7 @@ Result<> KeyframeFrames::State::warp(double time) {
     if (Result<> done = warp_from(from); !done) return done;
   }
   if (from.empty() || double(find_holes()) > most) {
-    if (near && !producer->any()) {
-      if (Result<> done = take_memory(); !done) return done;
-    }
+    if (near && !producer->any()) take_memory();
     Result<std::span<const WarpedKeyframe>> made = producer->make_now();
     if (!made) return made.error();
     if (Result<> done = warp_from(*made); !done) return done;
@@ -188,13 +186,12 @@ Result<> KeyframeFrames::State::warp(double time) {
 
 // Before the first frame, so that none that is timed touches a new page: most of what polygons need
 // depends on the frame's size, and one object takes it as all do.
-Result<> KeyframeFrames::State::take_memory() {
+void KeyframeFrames::State::take_memory() {
   find_view({});
   const std::span<const std::uint32_t> any(live.data(), std::min<std::size_t>(live.size(), 1));
-  if (any.empty()) return Done{};
-  if (Result<> done = polygons->place(camera, options.samples, placed, any, {}); !done) return done;
-  polygons->find_cover(camera, cover);
-  return Done{};
+  // A frame that is too large for polygons may need none.
+  if (!any.empty() && polygons->place(camera, options.samples, placed, any, {}))
+    polygons->find_cover(camera, cover);
 }
 
 // Those that rays have to fill.

@@ -66,6 +66,19 @@ TEST(KeyframeFrames, AWalkLooksLikeDirectFrames) {
   }
 }
 
+// Nothing there has to be polygons.
+TEST(KeyframeFrames, AFrameThatIsTooLargeForTheRasteriserIsWarped) {
+  const BuiltinScene made = *make_builtin("builtin:stonehenge?triangles=20000");
+  auto frames = KeyframeFrames::create(made.scene, {});
+  ASSERT_TRUE(frames);
+  for (int i = 0; i < 3; ++i) {
+    const double time = frame_time(made.path, i);
+    const Result<> drawn = (*frames)->draw(camera_at(made.path, time, 4200, 40), time);
+    ASSERT_TRUE(drawn) << drawn.error().message();
+  }
+  EXPECT_EQ((*frames)->software_target()->width(), 4200);
+}
+
 TEST(KeyframeFrames, WithALimitOfTimeFramesAreRightWhicheverWayTheyAreDrawn) {
   // Few triangles: polygons are cheaper, if anything is. What is drawn when depends on the machine.
   const BuiltinScene made = *make_builtin("builtin:stonehenge?triangles=20000");
