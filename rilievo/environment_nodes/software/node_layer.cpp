@@ -71,9 +71,11 @@ int cut(ClipCorner (&polygon)[9], double nearest, const glm::dvec2& size) {
 
 }  // namespace
 
-void NodeLayer::place(const Camera& frame, int samples, std::span<const DrawnNode> nodes) {
+void NodeLayer::place(const Camera& frame, int samples, std::span<const DrawnNode> nodes,
+                      bool merged) {
   RILIEVO_EXPECTS(frame.projection == Projection::perspective);
-  width_ = frame.width, height_ = frame.height, samples_ = samples;
+  RILIEVO_EXPECTS(!merged || samples == 1);
+  width_ = frame.width, height_ = frame.height, samples_ = samples, merged_ = merged;
   nearest_ = kNearShare * frame.z_near;
   nodes_.clear();
   for (Soup* soup : {&surfaces_, &skins_, &doubtful_}) {
@@ -179,6 +181,7 @@ void NodeLayer::rasterize_doubtful() {
                                skin_width(nodes_[soup.node[t]], soup.triangle[t])});
   }
   const std::span<const DoubtfulSkin> skins(doubtful_edges_);
+  const bool hides_skins = merged_ && !surfaces_.triangle.empty();
   constexpr int kBand = 16;
   parallel_for(0, (height_ + kBand - 1) / kBand, [&](int band) {
     const int low = band * kBand, high = std::min(low + kBand, height_);
@@ -189,6 +192,7 @@ void NodeLayer::rasterize_doubtful() {
         int x0 = std::max(0, triangle.x0), x1 = std::min(width_, triangle.x1);
         triangle.narrow_row(y, x0, x1);
         for (int x = x0; x < x1; ++x) {
+          if (hides_skins && surfaces_.raster.seen().depths(y)[x] < 1) continue;
           bool asked = false, narrow = false;
           for (int s = 0; s < samples_; ++s) {
             const glm::vec2 at = glm::vec2(x, y) + sample_position(s, samples_);

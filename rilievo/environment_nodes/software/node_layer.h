@@ -41,8 +41,10 @@ struct alignas(64) NodeTriangle {
 // Nodes in one z-buffer.
 class NodeLayer {
  public:
-  // Requires a perspective camera.
-  void place(const Camera& frame, int samples, std::span<const DrawnNode> nodes);
+  // Requires a perspective camera; one sample a pixel if it is merged with other layers. Of such a
+  // layer skins lie behind all surfaces, and those that are drawn in part are left out there.
+  void place(const Camera& frame, int samples, std::span<const DrawnNode> nodes,
+             bool merged = false);
 
   // Marks the pixels that silhouettes of surfaces cross, unless what lies before them hides them.
   // Several layers may mark at a time.
@@ -140,6 +142,7 @@ class NodeLayer {
   void find_triangles();
 
   int width_ = 0, height_ = 0, samples_ = 1;
+  bool merged_ = false;
   double nearest_ = 1;  // eye_z of the plane at which triangles are cut
   std::vector<Placed> nodes_;
   std::vector<glm::dvec3> corners_;   // of the nodes' vertices

@@ -97,12 +97,12 @@ void NodeTiles::draw(const Camera& frame, double scale, std::span<const std::siz
     placed.layers[0].place(frame, output == Output::color ? s.samples : 1, all);
   } else if (options.merge == NodeMerge::first) {
     placed.count = 2;
-    placed.layers[0].place(frame, 1, all.first(1));
-    placed.layers[1].place(frame, 1, all.subspan(1));
+    placed.layers[0].place(frame, 1, all.first(1), true);
+    placed.layers[1].place(frame, 1, all.subspan(1), true);
   } else {
     placed.count = all.size();
     for (std::size_t i = 0; i < all.size(); ++i)
-      placed.layers[i].place(frame, 1, all.subspan(i, 1));
+      placed.layers[i].place(frame, 1, all.subspan(i, 1), true);
   }
   placed.antialiased = placed.merged && output == Output::color && s.samples == 4;
   if (!placed.antialiased) return;

@@ -41,7 +41,7 @@ struct RowLoad {
 };
 
 // What all samples of a block show of a layer. Returns the nearest one's 1 / eye_z, 0 for nothing.
-// Of merged nodes skins lie behind all surfaces.
+// Of merged nodes, which have one sample, skins lie behind all surfaces.
 template <int samples, bool merged = false>
 float find_shown(const NodeLayer& layer, double scale, const FrameTile& tile, int x, int y,
                  Shown (&out)[samples]) {
@@ -53,47 +53,37 @@ float find_shown(const NodeLayer& layer, double scale, const FrameTile& tile, in
   const VF something = hn::Set(f, 1e-30f), least = hn::Set(f, tile.nothing * kBeforeFar);
   const std::array<NodeLayer::Seen, 3> parts = layer.seen();
   VF nearest = zero;
-  for (int row = 0; row < kBlock; ++row) {
-    const int first = row * kBlock;
-    for (int i = 0; i < kBlock; i += int(hn::Lanes(f)))
-      for (Shown& s : out) {
-        hn::Store(zero, f, s.inverse_z + first + i);
-        hn::Store(hn::Zero(u32), u32, s.triangle + first + i);
+  for (int first = 0; first < kPixels; first += int(hn::Lanes(f))) {
+    const int row = y + first / kBlock;
+    VF z[samples];
+    VU shown[samples];
+    std::fill_n(z, samples, zero);
+    std::fill_n(shown, samples, hn::Zero(u32));
+    MF surface = hn::Lt(zero, zero);
+    for (std::size_t p = 0; p < parts.size() && row < tile.height; ++p) {
+      if (!parts[p].samples) continue;
+      const RowLoad<samples> from(*parts[p].samples, x, tile.height - 1 - row);
+      VF depth[samples];
+      VU triangle[samples];
+      from.load(first % kBlock, depth, triangle);
+      for (int s = 0; s < samples; ++s) {
+        const VF own = hn::Max(hn::Mul(hn::Sub(sky, depth[s]), per_depth), something);
+        MF seen = hn::And(hn::Lt(depth[s], one), hn::Ge(own, z[s]));
+        if (merged) seen = hn::AndNot(surface, seen);
+        z[s] = hn::IfThenElse(seen, own, z[s]);
+        shown[s] = hn::IfThenElse(hn::RebindMask(u32, seen),
+                                  hn::Add(triangle[s], hn::Set(u32, parts[p].first)), shown[s]);
       }
-    if (y + row >= tile.height) continue;
-    for (const NodeLayer::Seen& part : parts) {
-      if (!part.samples) continue;
-      const RowLoad<samples> from(*part.samples, x, tile.height - 1 - (y + row));
-      for (int i = 0; i < kBlock; i += int(hn::Lanes(f))) {
-        VF depth[samples];
-        VU triangle[samples];
-        from.load(i, depth, triangle);
-        for (int s = 0; s < samples; ++s) {
-          const VF z = hn::Max(hn::Mul(hn::Sub(sky, depth[s]), per_depth), something);
-          const VF before = hn::Load(f, out[s].inverse_z + first + i);
-          MF seen = hn::And(hn::Lt(depth[s], one), hn::Ge(z, before));
-          if (merged && part.first > 0) {
-            const MF surface =
-                hn::And(hn::Gt(before, zero),
-                        hn::RebindMask(f, hn::Lt(hn::Load(u32, out[s].triangle + first + i),
-                                                 hn::Set(u32, layer.first_skin()))));
-            seen = hn::AndNot(surface, seen);
-          }
-          hn::Store(hn::IfThenElse(seen, z, before), f, out[s].inverse_z + first + i);
-          hn::Store(hn::IfThenElse(hn::RebindMask(u32, seen),
-                                   hn::Add(triangle[s], hn::Set(u32, part.first)),
-                                   hn::Load(u32, out[s].triangle + first + i)),
-                    u32, out[s].triangle + first + i);
-        }
-      }
+      if (!merged || p > 0) continue;
+      surface = hn::Gt(z[0], zero);
+      if (hn::AllTrue(f, surface)) break;  // as nearly everywhere: skins are not asked
     }
-    for (int i = 0; i < kBlock; i += int(hn::Lanes(f)))
-      for (Shown& s : out) {
-        VF z = hn::Load(f, s.inverse_z + first + i);
-        z = hn::IfThenElseZero(hn::Gt(z, zero), hn::Max(z, least));
-        hn::Store(z, f, s.inverse_z + first + i);
-        nearest = hn::Max(nearest, z);
-      }
+    for (int s = 0; s < samples; ++s) {
+      z[s] = hn::IfThenElseZero(hn::Gt(z[s], zero), hn::Max(z[s], least));
+      hn::Store(z[s], f, out[s].inverse_z + first);
+      hn::Store(shown[s], u32, out[s].triangle + first);
+      nearest = hn::Max(nearest, z[s]);
+    }
   }
   return hn::GetLane(hn::MaxOfLanes(f, nearest));
 }
