@@ -37,10 +37,14 @@ struct NodeRay {
 // A node's four disparities around a direction.
 struct Around {
   double ahead = 0;  // eye_z of the place in this direction
-  float all[4] = {};
+  std::uint16_t all[4] = {};
 
-  [[nodiscard]] double most() const { return std::max({all[0], all[1], all[2], all[3]}); }
-  [[nodiscard]] double least() const { return std::min({all[0], all[1], all[2], all[3]}); }
+  // As none is negative, their order is that of the upper halves of floats.
+  [[nodiscard]] double most() const { return value(std::max({all[0], all[1], all[2], all[3]})); }
+  [[nodiscard]] double least() const { return value(std::min({all[0], all[1], all[2], all[3]})); }
+  static double value(std::uint16_t half) {
+    return double(std::bit_cast<float>(std::uint32_t(half) << 16));
+  }
 };
 
 // Where a direction has a face's coordinates: to the right, and downwards.
@@ -61,7 +65,7 @@ std::array<FaceColumns, 6> make_face_columns() {
 }
 const std::array<FaceColumns, 6> kFaceColumns = make_face_columns();
 
-Around around(const NodeSketch& node, const glm::dvec3& to) {
+inline Around around(const NodeSketch& node, const glm::dvec3& to) {
   const glm::dvec3 size = glm::abs(to);
   const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
   const std::size_t f = std::size_t(2 * axis + (to[axis] < 0 ? 1 : 0));
@@ -73,10 +77,7 @@ Around around(const NodeSketch& node, const glm::dvec3& to) {
   const int x = texel(columns.x_sign * to[columns.x_axis]),
             y = texel(columns.y_sign * to[columns.y_axis]);
   const int x1 = std::min(x + 1, last), y1 = std::min(y + 1, last);
-  const auto value = [&](int i, int j) {
-    return std::bit_cast<float>(std::uint32_t(of(i, j)) << 16);
-  };
-  return {size[axis], {value(x, y), value(x1, y), value(x, y1), value(x1, y1)}};
+  return {size[axis], {of(x, y), of(x1, y), of(x, y1), of(x1, y1)}};
 }
 
 // How far a node sees beyond a place, along its line of sight; -1 if it does not see it.
@@ -94,16 +95,18 @@ bool holds(const NodeSketch& node, const glm::dvec3& to, bool plainly) {
   const Around q = around(node, to);
   const double most = q.most() * q.ahead, least = q.least() * q.ahead;
   if (most <= kOneSlope * least) return most >= 1 - kAgrees && least <= 1 + kAgrees;
-  return !plainly && std::any_of(std::begin(q.all), std::end(q.all), [&](float one) {
-    return std::abs(double(one) * q.ahead - 1) <= kAgrees;
+  return !plainly && std::any_of(std::begin(q.all), std::end(q.all), [&](std::uint16_t one) {
+    return std::abs(Around::value(one) * q.ahead - 1) <= kAgrees;
   });
 }
 
 SeenPlace look(std::span<const NodeRay> rays, std::size_t drawn, double nearest) {
   std::size_t by = 0;  // the node that sees the place: most often the same as before
   double beyond = 0;
-  const auto is_free = [&](double t) {
+  // `except`: this node does not see it.
+  const auto is_free = [&](double t, std::size_t except) {
     for (std::size_t k = 0; k < rays.size(); ++k) {
+      if (k == except) continue;
       beyond = seen_beyond(*rays[k].node, rays[k].at(t));
       if (beyond >= 0) return by = k, true;
     }
@@ -117,13 +120,13 @@ SeenPlace look(std::span<const NodeRay> rays, std::size_t drawn, double nearest)
     if (!free) {
       if (free_before && by < drawn && holds(*rays[by].node, rays[by].at(t), true))
         return {t, 1u << by};
-      free = is_free(t);
+      free = is_free(t, by);
     }
     if (!free && free_before) {
       double low = before, high = t;
       for (int i = 0; i < kHalvings; ++i) {
         const double middle = 0.5 * (low + high);
-        (is_free(middle) ? low : high) = middle;
+        (is_free(middle, rays.size()) ? low : high) = middle;
       }
       std::uint32_t held = 0;
       for (std::size_t k = 0; k < rays.size(); ++k)
