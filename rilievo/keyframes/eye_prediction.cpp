@@ -31,6 +31,7 @@ glm::dvec3 rotation_between(const Camera& from, const Camera& to) {
 }
 
 glm::dvec3 shortened(const glm::dvec3& step, const glm::dvec3& before) {
+  if (before == glm::dvec3(0)) return step;
   const double length = glm::length(step), most = kLongStep * glm::length(before);
   return length > most ? step * (most / length) : step;
 }
@@ -46,12 +47,19 @@ void EyePrediction::follow(const Camera& camera) {
     const double least = kLeastJump * camera.z_near;
     jumped_ = glm::length(step) > std::max(kJump * glm::length(step_), least) ||
               glm::length(turn) > kJumpTurn;
-    const glm::dvec3 step_before = std::exchange(last_step_, jumped_ ? glm::dvec3(0) : step),
-                     turn_before = std::exchange(last_turn_, jumped_ ? glm::dvec3(0) : turn);
+    const glm::dvec3 step_before = last_step_, turn_before = last_turn_;
+    const bool stands = step == glm::dvec3(0) && glm::length(turn) < 1e-9;
+    // Where frames come twice as often as the eye's places every second one stands.
+    if (jumped_ || (stands && stood_))
+      last_step_ = last_turn_ = glm::dvec3(0);
+    else if (!stands)
+      last_step_ = step, last_turn_ = turn;
+    const bool stood = std::exchange(stood_, stands);
     if (jumped_) {
       step_ = turn_ = glm::dvec3(0);
-    } else if (step == glm::dvec3(0) && glm::length(turn) < 1e-9) {
+    } else if (stands) {
       // An eye that stands does not drift on.
+      speed_known_ = stood || (step_ == glm::dvec3(0) && turn_ == glm::dvec3(0));
       step_ = turn_ = glm::dvec3(0);
     } else {
       speed_known_ = step_before != glm::dvec3(0) || turn_before != glm::dvec3(0);

@@ -25,13 +25,13 @@ class EyePrediction {
   // How fast it turns about its own y and x axes, radians per frame, without sign.
   [[nodiscard]] double turning_sideways() const;
   [[nodiscard]] double turning_upwards() const;
-  // Not if the last step was the first one.
+  // Not if the last step was the first one, nor in the first frame in which the eye stands.
   [[nodiscard]] bool speed_known() const { return speed_known_; }
   // Has the eye jumped to the last camera?
   [[nodiscard]] bool jumped() const { return jumped_; }
 
  private:
-  bool any_ = false, jumped_ = false, speed_known_ = true;
+  bool any_ = false, jumped_ = false, stood_ = false, speed_known_ = true;
   Camera last_;
   // Turns are axes in world space, as long as their angles.
   glm::dvec3 step_{0.0}, turn_{0.0};

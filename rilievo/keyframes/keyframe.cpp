@@ -36,9 +36,9 @@ void find_block(Keyframe& keyframe, int column, int row) {
             right = std::min(left + Keyframe::kColumns, keyframe.camera.width);
   InverseRange& block = keyframe.blocks(column, row) = {};
   for (int y = top; y < bottom; ++y) {
-    const std::span<const float> row = keyframe.inverse_z.row(y);
+    const std::span<const float> depths = keyframe.inverse_z.row(y);
     const InverseRange& range = keyframe.segments(column, y) =
-        range_of(row.subspan(std::size_t(left), std::size_t(right - left)));
+        range_of(depths.subspan(std::size_t(left), std::size_t(right - left)));
     block.add(range);
   }
 }

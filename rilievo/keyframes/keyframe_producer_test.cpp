@@ -44,7 +44,7 @@ TEST(EyePrediction, ASteadyEyeGoesOnAndAJumpIsNoMotion) {
 
 TEST(EyePrediction, AFrameThatTakesLongTellsNothingOfTheEyesSpeed) {
   EyePrediction prediction;
-  // The first frame of a walk takes as long as twenty others, and later one takes as long as six.
+  // The first frame of a walk takes as long as twenty others, and a later one takes as long as six.
   double at = 0;
   for (int i = 0; i < 40; ++i) {
     prediction.follow(ProducerStage::eye(at, at / 2));
@@ -55,6 +55,21 @@ TEST(EyePrediction, AFrameThatTakesLongTellsNothingOfTheEyesSpeed) {
                  ahead = prediction.after(10);
     EXPECT_NEAR(ahead.position().x - now.position().x, 0.2, 0.2 * 0.2) << i;
   }
+}
+
+TEST(EyePrediction, AnEyeThatMovesOrTurnsInEverySecondFrameOnlyDoesSo) {
+  EyePrediction turns, moves;
+  for (int i = 0; i < 60; ++i) {
+    turns.follow(ProducerStage::eye(0.02 * i, 0.01 * (i / 2)));
+    moves.follow(ProducerStage::eye(0.02 * (i / 2)));
+    if (i <= 2) continue;
+    EXPECT_EQ(moves.speed_known(), i % 2 == 0) << i;
+    if (i % 2 == 0) {
+      EXPECT_NEAR(moves.after(1).position().x - 0.02 * (i / 2), 0.02, 1e-9) << i;
+    }
+  }
+  // Half of 0.01 a frame.
+  EXPECT_NEAR(turns.turning_sideways(), 0.005, 0.001);
 }
 
 // What begins with the second frame asks where the eye goes.

@@ -275,7 +275,8 @@ TEST(WarpKeyframes, HiddenObjectsAreShownAgain) {
   for (int y = 0; y < 80; ++y)
     for (int column = 0; column < key.segments.width(); ++column) {
       InverseRange expected;
-      for (int x = 64 * column; x < std::min(64 * column + 64, 120); ++x)
+      constexpr int kColumns = Keyframe::kColumns;
+      for (int x = kColumns * column; x < std::min(kColumns * (column + 1), 120); ++x)
         expected.add(key.inverse_z(x, y));
       EXPECT_EQ(key.segments(column, y).nearest, expected.nearest);
       EXPECT_EQ(key.segments(column, y).farthest, expected.farthest);

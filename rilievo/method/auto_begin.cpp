@@ -88,7 +88,8 @@ Result<bool> AutoFrames::keyframes_pay(const Camera& camera, double time) {
   // The cache's first frame is of polygons, as long as it captures nothing: so the cache has it
   // behind it if keyframes are refused, and its captures begin a frame earlier.
   const Stopwatch watch;
-  for (const bool by_cache : {true, false}) {
+  // After a change of the frame's size the cache has pictures: direct drawing alone is timed.
+  for (const bool by_cache : {frame_ == 0, false}) {
     shared_chooser_->use_cache(by_cache);
     if (Result<> drawn = frames_[kDirect]->draw(camera, time); !drawn) return drawn.error();
     begun_by_cache_ = by_cache;

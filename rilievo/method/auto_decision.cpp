@@ -124,10 +124,10 @@ void AutoDecision::begin_with(int candidate) {
 }
 
 double AutoDecision::median_of_last(const Cost& cost) {
-  const int count = std::min(cost.frames, kLast);
+  const int count = std::min(cost.recent, kLast);
   std::array<double, kLast> last;
   for (int i = 0; i < count; ++i)
-    last[std::size_t(i)] = cost.last[std::size_t((cost.frames - i) % kLast)];
+    last[std::size_t(i)] = cost.last[std::size_t((cost.recent - i) % kLast)];
   const auto middle = last.begin() + count / 2;
   std::nth_element(last.begin(), middle, last.begin() + count);
   return *middle;
@@ -261,6 +261,7 @@ void AutoDecision::change(int to) {
   left.gap = std::min(kMostGap, kGap << std::min(left.fails, 8));
   ++left.fails;
   draws_ = to;
+  costs_[std::size_t(to)].recent = 0;
   since_change_ = 0;
   ++recent_changes_;
 }
@@ -301,6 +302,7 @@ void AutoDecision::end_trial(std::span<const AutoOutlook> outlook) {
   cost.mean_ms = trial_mean(std::span(trial_ms_).subspan(std::size_t(from)));
   cost.guess_ms = outlook[std::size_t(trial_)].guess_ms;
   cost.frames = drawn - from, cost.age = 0, cost.slow = slow_;
+  cost.recent = cost.frames;
   cost.last.fill(cost.mean_ms);
   const double now = costs_[std::size_t(draws_)].mean_ms;
   const bool wins = outlook[std::size_t(trial_)].ready &&
@@ -330,6 +332,7 @@ AutoChoice AutoDecision::next(std::span<const AutoOutlook> outlook, bool jumped,
     // What was learned is of another place.
     cost.fails = 0;
     cost.frames = std::min(cost.frames, 2);
+    cost.recent = 0;
   }
   ++since_change_;
   recent_changes_ = jumped ? 0 : kStaysRecent * recent_changes_;
@@ -412,9 +415,9 @@ void AutoDecision::add(double ms, bool disturbed) {
   const int warm_up = candidates_[std::size_t(draws_)].warm_up;
   const bool warms_up = since_change_ <= warm_up;
   const double newest = newest_share(warms_up ? kNewestOfWarmUp : kNewest, ++cost.frames);
-  cost.last[std::size_t(cost.frames % kLast)] = ms;
+  cost.last[std::size_t(++cost.recent % kLast)] = ms;
   const double before_ms = cost.mean_ms, guess_ms = guesses_[std::size_t(draws_)];
-  if (!warms_up && cost.frames >= kLeastForMedian)
+  if (!warms_up && cost.recent >= kLeastForMedian)
     ms = std::min(ms, kMuchForMean * median_of_last(cost));
   cost.mean_ms += (ms - cost.mean_ms) * newest;
   if (cost.frames > kLast && !disturbed && guess_ms > 0 && cost.guess_ms > 0)

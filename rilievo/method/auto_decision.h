@@ -14,9 +14,9 @@
 // fails doubles the time to the next one of that method. So a walk on which nothing changes costs
 // next to nothing, and where the costs change the next trial is soon.
 //
-// A method is changed for one that is cheaper by kGain, or as cheap and of a better quality. With a
-// pace, of all that keep it the best in quality is taken. The same input gives the same decisions.
-// Milliseconds a frame; time in frames.
+// A method is changed for one that is cheaper by kGain, or, unless what draws warms up for long, as
+// cheap and of a better quality. With a pace, of all that keep it the best in quality is taken. The
+// same input gives the same decisions. Milliseconds a frame; time in frames.
 #pragma once
 
 #include <array>
@@ -138,9 +138,10 @@ class AutoDecision {
   struct Cost {
     double mean_ms = 0;                // of the last frames that it drew; 0: none yet
     double slow = 1;                   // slow_ when that was measured
-    std::array<double, kLast> last{};  // what they took, the newest at frames % kLast
+    std::array<double, kLast> last{};  // what they took, the newest at recent % kLast
     double guess_ms = 0;               // the model's, when that was measured
     int frames = 0;                    // in the mean
+    int recent = 0;                    // in `last`, those since a jump or a change to the method
     int age = 0;                       // frames since
     int gap = 0;                       // the least age for the next trial
     int fails = 0;                     // trials in a row

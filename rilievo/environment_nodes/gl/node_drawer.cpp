@@ -344,8 +344,8 @@ Result<> NodeDrawer::draw_output(Output& output, const Camera& frame,
   GLint samples = 0;
   glGetIntegerv(GL_SAMPLES, &samples);
   const bool antialiased = !output.objects && samples > 1 && samples <= shader::kMaxEdgeSamples;
-  if (antialiased) begin_framebuffer(merged_framebuffer_, false);
   if (Result<> made = use_merge(output, int(options.merge), nodes.size()); !made) return made;
+  if (antialiased) begin_framebuffer(merged_framebuffer_, false);
   glBindVertexArray(no_vertices_);
   glBindTextureUnit(0, layer_colors_);
   glBindTextureUnit(1, layer_depths_);

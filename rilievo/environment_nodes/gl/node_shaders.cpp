@@ -265,7 +265,6 @@ void main() {
 const char* const kEdgeVertex = R"(#version 450
 layout(std430, binding = 0) restrict readonly buffer Vertices { vec4 vertices[]; };  // two each
 layout(std430, binding = 1) restrict readonly buffer Edges { uvec4 edges[]; };
-layout(location = 2) uniform vec2 planes;  // z_near, z_far
 layout(location = 20) uniform mat4 clip_from_node;
 layout(location = 21) uniform bool front_only;
 flat out vec3 v_line;  // times (x, y, 1): positive on the surface's side
@@ -279,8 +278,6 @@ void main() {
                                       : front_only && !from_front;
   v_line = from_front ? line : -line;
   gl_Position = hidden ? vec4(2.0, 2.0, 2.0, 1.0) : (gl_VertexID & 1) == 0 ? from : to;
-  float a = (planes.y + planes.x) / (planes.y - planes.x);
-  if (!hidden) gl_Position.z += (NEARER - 1.0) * (gl_Position.z - a * gl_Position.w);
 }
 )";
 
@@ -301,14 +298,14 @@ void main() {
 // what the neighbour there does, above or below, or beside where the line is steep; cf. [Persson
 // 2011, Geometric Post-process Anti-Aliasing]. Only where one of both shows the edge's surface, at
 // up to NEARER times the edge's depth, and the other what is behind: another node, or what is in
-// front, may cover the edge. Depths remain as they are.
+// front, may cover the edge. Of samples only those change that show what was merged in the pixel:
+// something else may be before it. Depths remain as they are.
 const char* const kEdgeFragment = R"(#version 450
 layout(binding = 0) uniform sampler2D colors;
 layout(binding = 1) uniform sampler2D depths;
 layout(location = 2) uniform vec2 planes;  // z_near, z_far
 layout(location = 22) uniform int count;   // of samples
 layout(location = 23) uniform vec2 from_centre[MAX_SAMPLES];
-layout(early_fragment_tests) in;
 flat in vec3 v_line;
 layout(location = 0) out vec4 out_color;
 const float kBehind = 1.015;  // as by software
@@ -328,13 +325,15 @@ void main() {
   ivec2 beyond = pixel + (steep ? ivec2(toward, 0) : ivec2(0, toward));
   vec4 own = texelFetch(colors, pixel, 0), other = texelFetch(colors, beyond, 0);
   float own_depth = texelFetch(depths, pixel, 0).r, depth = texelFetch(depths, beyond, 0).r;
-  float edge = NEARER * eye_z(gl_FragCoord.z);
+  float edge = eye_z(gl_FragCoord.z);
   float surface = eye_z(value > 0.0 ? own_depth : depth);
   float behind = eye_z(value > 0.0 ? depth : own_depth);
-  if (mask == 0 || own.a * other.a == 0.0 || behind < kBehind * surface ||
+  bool outside = beyond != clamp(beyond, ivec2(0), textureSize(depths, 0) - 1);
+  if (mask == 0 || outside || own.a * other.a == 0.0 || behind < kBehind * surface ||
       surface > NEARER * edge || edge > NEARER * surface)
     discard;
   gl_SampleMask[0] = mask;
+  gl_FragDepth = own_depth;
   out_color = other;
 }
 )";

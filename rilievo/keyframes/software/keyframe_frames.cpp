@@ -184,8 +184,8 @@ Result<> KeyframeFrames::State::warp(double time) {
   return Done{};
 }
 
-// Before the first frame, so that none that is timed touches a new page: most of what polygons need
-// depends on the frame's size, and one object takes it as all do.
+// Before the first frame, so that none that is timed touches a new page: most of the memory of
+// polygons depends on the frame's size, and one object makes them take it.
 void KeyframeFrames::State::take_memory() {
   find_view({});
   const std::span<const std::uint32_t> any(live.data(), std::min<std::size_t>(live.size(), 1));
