@@ -41,7 +41,7 @@ class SoftwareKindsTest : public AlikeTest {
   void expect_kind_same(const char* name,
                         const std::function<std::unique_ptr<Representation>()>& make,
                         const OptionValues& draw_options, std::span<const Camera> cameras,
-                        double least_alike = kLeastAlike, int samples = 4) {
+                        double least_alike = kLeastAlike) {
     auto by_gl = make_factory(drawable_rows(), name);
     auto by_tiles = make_factory(software_drawable_rows(), name);
     ASSERT_TRUE(by_gl.ok() && by_tiles.ok());
@@ -51,7 +51,7 @@ class SoftwareKindsTest : public AlikeTest {
     auto b = (*by_tiles)->make_drawable(make(), draw_options);
     ASSERT_TRUE(a.ok() && b.ok());
     OpenGLFrames opengl = opengl_stored(*renderer, std::move(*a), {instance}, false);
-    TestSource software = software_stored(builtin.scene, samples, std::move(*b), {instance}, false);
+    TestSource software = software_stored(builtin.scene, 4, std::move(*b), {instance}, false);
     least_alike_ = least_alike;
     for (const Camera& camera : cameras) expect_same(opengl, software, camera, 0.2);
     least_alike_ = kLeastAlike;
@@ -138,11 +138,11 @@ TEST_F(SoftwareKindsTest, environment_nodes) {
       ASSERT_TRUE(draw.set("gaps", "on").ok());
     }
     // Where the surfaces of two nodes are one, rounding decides which is in front, a few pixels at
-    // a time: where one is drawn over the other, 0.1 % of them. Of merged nodes OpenGL draws one
-    // sample a pixel.
+    // a time: where one is drawn over the other, 0.1 % of them. Silhouettes of merged nodes OpenGL
+    // finds by edges of the meshes, software by samples (36.6 dB at least, 128 texels a face).
     const bool merged = std::string_view(merge) != "layering";
-    expect_kind_same("environment-nodes", copy, draw, cameras, merged ? kLeastAlike : 0.9985,
-                     merged ? 1 : 4);
+    least_db_ = merged ? 36 : kLeastDb;
+    expect_kind_same("environment-nodes", copy, draw, cameras, merged ? kLeastAlike : 0.9985);
   }
 }
 
