@@ -375,6 +375,8 @@ Result<> KeyframeFrames::prepare_first(const Camera& camera, double time) {
   State& s = *state_;
   if (!s.any_still) return Done{};
   s.placed.set_time(time);
+  s.camera = camera;
+  if (s.near && !s.producer->any()) s.take_memory();
   s.producer->forget();
   (void)s.producer->follow(camera, time);
   Result<> made = s.producer->make_for(camera);
