@@ -198,14 +198,18 @@ void NodeDrawer::draw_node(const Camera& frame, const StoredNode& node, const gl
   glDepthRange(0, 1);
 }
 
-Result<> NodeDrawer::make_layers(int width, int height, int count, bool objects) {
+Result<> NodeDrawer::make_layers(int width, int height, int count, bool objects, bool antialiased) {
   const bool enough = width == width_ && height == height_ && count <= count_;
-  if (enough && (!objects || layer_objects_)) return Done{};
+  if (enough && (!objects || layer_objects_) && (!antialiased || merged_framebuffer_))
+    return Done{};
   count = enough ? count_ : count;
   layer_framebuffers_.clear();
   if (!enough) {
     layer_colors_ = gl::make_texture_2d_array(GL_RGBA8, width, height, count);
     layer_depths_ = gl::make_texture_2d_array(GL_DEPTH_COMPONENT32F, width, height, count);
+    merged_framebuffer_ = {};
+  }
+  if (antialiased && !merged_framebuffer_) {
     merged_color_ = gl::make_texture_2d(GL_RGBA8, width, height);
     merged_depth_ = gl::make_texture_2d(GL_DEPTH_COMPONENT32F, width, height);
     merged_framebuffer_ = gl::make_framebuffer();
@@ -262,10 +266,6 @@ void NodeDrawer::draw_edges(const Camera& frame, const StoredNode& node, Sides s
   }
 }
 
-void NodeDrawer::begin_layer(std::size_t layer, bool objects) const {
-  begin_framebuffer(layer_framebuffers_[layer], objects);
-}
-
 void NodeDrawer::begin_framebuffer(GLuint name, bool objects) {
   const GLfloat nothing[] = {0, 0, 0, 0}, far = 1;
   const GLuint no_object[] = {0, 0, 0, 0};
@@ -316,7 +316,11 @@ Result<> NodeDrawer::draw_output(Output& output, const Camera& frame,
 
   glProgramUniform1f(output.layer, 4, options.tolerance);
   // One for each node's surfaces, and one for all skins.
-  if (Result<> made = make_layers(frame.width, frame.height, int(nodes.size()) + 1, output.objects);
+  GLint samples = 0;
+  glGetIntegerv(GL_SAMPLES, &samples);
+  const bool antialiased = !output.objects && samples > 1 && samples <= shader::kMaxEdgeSamples;
+  if (Result<> made = make_layers(frame.width, frame.height, int(nodes.size()) + 1, output.objects,
+                                  antialiased);
       !made)
     return made;
   GLint framebuffer = 0;
@@ -329,21 +333,18 @@ Result<> NodeDrawer::draw_output(Output& output, const Camera& frame,
     // Squared: the nearer node's texels are smaller in both directions.
     const double share = 1 / std::max(1e-9, glm::distance(eye, nodes[i]->eye())) / sum;
     nearness[i] = float(std::max(1e-9, share * share));
-    begin_layer(i, output.objects);
+    begin_framebuffer(layer_framebuffers_[i], output.objects);
     set_object(*nodes[i], output.layer, output.layer_skin);
     draw_node(frame, *nodes[i], &output.layer, nullptr, 0, sides_of(i == 0));
     node_from_eye[i] =
         glm::mat4(glm::inverse(nodes[i]->shape_.world_from_node) * frame.world_from_eye);
   }
-  begin_layer(nodes.size(), output.objects);
+  begin_framebuffer(layer_framebuffers_[nodes.size()], output.objects);
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     set_object(*nodes[i], output.layer, output.layer_skin);
     draw_node(frame, *nodes[i], nullptr, &output.layer_skin, i == 0 ? widest : kCrack, Sides::both);
   }
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, GLuint(framebuffer));
-  GLint samples = 0;
-  glGetIntegerv(GL_SAMPLES, &samples);
-  const bool antialiased = !output.objects && samples > 1 && samples <= shader::kMaxEdgeSamples;
   if (Result<> made = use_merge(output, int(options.merge), nodes.size()); !made) return made;
   if (antialiased) begin_framebuffer(merged_framebuffer_, false);
   glBindVertexArray(no_vertices_);

@@ -98,7 +98,6 @@ class NodeDrawer {
   Result<> draw_output(Output& output, const Camera& frame,
                        std::span<const StoredNode* const> nodes, std::uint32_t object,
                        const NodeDrawOptions& options);
-  void begin_layer(std::size_t layer, bool objects) const;
   static void begin_framebuffer(GLuint name, bool objects);
   // Makes the program the current one.
   static Result<> use_merge(Output& output, int merge, std::size_t nodes);
@@ -106,7 +105,7 @@ class NodeDrawer {
   void draw_merged(const Camera& frame, std::span<const StoredNode* const> nodes,
                    int samples) const;
   void draw_edges(const Camera& frame, const StoredNode& node, Sides sides) const;
-  Result<> make_layers(int width, int height, int count, bool objects);
+  Result<> make_layers(int width, int height, int count, bool objects, bool antialiased);
 
   Output color_, objects_;
   gl::Program direction_, direction_skin_, cube_map_, line_, merged_, edge_;

@@ -260,8 +260,6 @@ void main() {
 
 // Edges of a mesh that are silhouettes for the eye, as lines (mesh_edges.h); the others are drawn
 // beyond the frame. In (x, y, w) of clip space the line through two points is their cross product.
-// Lines are drawn nearer to the eye, 1 / NEARER times as far away, so that the depth test spares
-// what is surely hidden: with z / w = A + B / eye_z, z grows by (NEARER - 1) (z - A w).
 const char* const kEdgeVertex = R"(#version 450
 layout(std430, binding = 0) restrict readonly buffer Vertices { vec4 vertices[]; };  // two each
 layout(std430, binding = 1) restrict readonly buffer Edges { uvec4 edges[]; };
