@@ -30,6 +30,7 @@ glm::dvec3 rotation_between(const Camera& from, const Camera& to) {
   return axis / sine * (angle > glm::pi<double>() ? angle - 2 * glm::pi<double>() : angle);
 }
 
+// All of it after none.
 glm::dvec3 shortened(const glm::dvec3& step, const glm::dvec3& before) {
   if (before == glm::dvec3(0)) return step;
   const double length = glm::length(step), most = kLongStep * glm::length(before);
@@ -39,7 +40,6 @@ glm::dvec3 shortened(const glm::dvec3& step, const glm::dvec3& before) {
 }  // namespace
 
 void EyePrediction::follow(const Camera& camera) {
-  const bool was_known = std::exchange(speed_known_, true);
   jumped_ = false;
   if (any_) {
     const glm::dvec3 step = camera.position() - last_.position();
@@ -47,28 +47,22 @@ void EyePrediction::follow(const Camera& camera) {
     const double least = kLeastJump * camera.z_near;
     jumped_ = glm::length(step) > std::max(kJump * glm::length(step_), least) ||
               glm::length(turn) > kJumpTurn;
-    const glm::dvec3 step_before = last_step_, turn_before = last_turn_;
     const bool stands = step == glm::dvec3(0) && glm::length(turn) < 1e-9;
-    // Where frames come twice as often as the eye's places every second one stands.
-    if (jumped_ || (stands && stood_))
-      last_step_ = last_turn_ = glm::dvec3(0);
-    else if (!stands)
-      last_step_ = step, last_turn_ = turn;
-    const bool stood = std::exchange(stood_, stands);
-    if (jumped_) {
+    const bool stood = std::exchange(stood_, stands), was_known = speed_known_;
+    const bool stays = step_ == glm::dvec3(0) && turn_ == glm::dvec3(0);
+    if (jumped_ || stands) {
+      // An eye that stands does not drift on. But where frames come twice as often as the eye's
+      // places, every second one stands.
+      speed_known_ = jumped_ || stood || stays;
       step_ = turn_ = glm::dvec3(0);
-    } else if (stands) {
-      // An eye that stands does not drift on.
-      speed_known_ = stood || (step_ == glm::dvec3(0) && turn_ == glm::dvec3(0));
-      step_ = turn_ = glm::dvec3(0);
+      if (jumped_ || stood) last_step_ = last_turn_ = glm::dvec3(0);
     } else {
-      speed_known_ = step_before != glm::dvec3(0) || turn_before != glm::dvec3(0);
-      const bool first = !was_known || (step_ == glm::dvec3(0) && turn_ == glm::dvec3(0));
-      // The first one says at least where the eye goes; the second one replaces it.
-      const glm::dvec3 counted = speed_known_ ? shortened(step, step_before) : step,
-                       turned = speed_known_ ? shortened(turn, turn_before) : turn;
-      step_ = first ? counted : glm::mix(step_, counted, kNewest);
-      turn_ = first ? turned : glm::mix(turn_, turned, kNewest);
+      // The first step says at least where the eye goes; the second one replaces it.
+      speed_known_ = last_step_ != glm::dvec3(0) || last_turn_ != glm::dvec3(0);
+      const double newest = stays || !was_known ? 1 : kNewest;
+      step_ = glm::mix(step_, shortened(step, last_step_), newest);
+      turn_ = glm::mix(turn_, shortened(turn, last_turn_), newest);
+      last_step_ = step, last_turn_ = turn;
     }
   }
   any_ = true;

@@ -175,7 +175,7 @@ Result<> KeyframeFrames::State::warp(double time) {
     if (Result<> done = warp_from(from); !done) return done;
   }
   if (from.empty() || double(find_holes()) > most) {
-    if (near && !producer->any()) take_memory();
+    take_memory();
     Result<std::span<const WarpedKeyframe>> made = producer->make_now();
     if (!made) return made.error();
     if (Result<> done = warp_from(*made); !done) return done;
@@ -184,9 +184,10 @@ Result<> KeyframeFrames::State::warp(double time) {
   return Done{};
 }
 
-// Before the first frame, so that none that is timed touches a new page: most of the memory of
-// polygons depends on the frame's size, and one object makes them take it.
+// Of polygons, before the first keyframe, so that no frame that is timed touches a new page: most
+// of it depends on the frame's size, and one object makes them take it.
 void KeyframeFrames::State::take_memory() {
+  if (!near || producer->any()) return;
   find_view({});
   const std::span<const std::uint32_t> any(live.data(), std::min<std::size_t>(live.size(), 1));
   // A frame that is too large for polygons may need none.
@@ -376,7 +377,7 @@ Result<> KeyframeFrames::prepare_first(const Camera& camera, double time) {
   if (!s.any_still) return Done{};
   s.placed.set_time(time);
   s.camera = camera;
-  if (s.near && !s.producer->any()) s.take_memory();
+  s.take_memory();
   s.producer->forget();
   (void)s.producer->follow(camera, time);
   Result<> made = s.producer->make_for(camera);

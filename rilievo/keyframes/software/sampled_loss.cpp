@@ -126,10 +126,9 @@ void SampledLoss::add(const Camera& camera, std::span<const std::uint32_t> objec
                       const Image<std::uint32_t>& shown, double remembered) {
   const RasterRect rect = find_rect(camera, objects);
   choose_pixels(camera, rect);
-  const double in_rect = double(
-                   std::count_if(pixels_.begin(), pixels_.end(),
-                                 [&](const FramePixel&pixel) { return lies_in(rect, pixel); })),
-               beside = double(pixels_.size()) - in_rect;
+  const auto in_rect = double(std::ranges::count_if(
+      pixels_, [&](const FramePixel& pixel) { return lies_in(rect, pixel); }));
+  const double beside = double(pixels_.size()) - in_rect;
   // What a pixel stands for, in means of the pixels that were chosen.
   const double share = (rect.right - rect.left) * (rect.bottom - rect.top) /
                        (double(camera.width) * camera.height),
