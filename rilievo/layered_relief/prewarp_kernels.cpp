@@ -120,9 +120,9 @@ HWY_INLINE void copy_two_by_two(ReliefSample* to, std::ptrdiff_t right, std::ptr
 #endif
 }
 
-// Copies a sample to `wide` columns of `high` rows from `to`, at most kMost (3 or 4) each, or
-// nothing. Every row is stored to, a missing one again where the last one is: how many there are is
-// as good as random, and a branch on it would be foretold wrongly.
+// Copies a sample to `wide` columns of `high` rows from `to`, at most kMost (3 or 4) each. Every
+// row is stored to, a missing one again where the last one is: how many there are is as good as
+// random, and a branch on it would be foretold wrongly.
 template <int kMost>
 HWY_INLINE void copy_rectangle(ReliefSample* to, int wide, int high, std::ptrdiff_t pitch,
                                const ReliefSample* from) {

@@ -77,7 +77,8 @@ void share_row(const std::uint16_t* own, const std::uint16_t* sums, int width,
   const hn::CappedTag<std::uint32_t, 1> single;
   for (; x < width; ++x) {
     const std::uint32_t sum = sums[x] + 2u * sums[x + 1] + sums[x + 2];
-    colors[x] = hn::GetLane(share_of(single, hn::Set(single, colors[x]), hn::Set(single, sum)));
+    hn::StoreU(share_of(single, hn::LoadU(single, colors + x), hn::Set(single, sum)), single,
+               colors + x);
   }
 }
 
