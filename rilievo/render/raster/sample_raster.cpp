@@ -88,6 +88,36 @@ HWY_INLINE void store_masked(hn::Vec<D> v, hn::Mask<D> keep, D d, hn::TFromD<D>*
     hn::StoreU(hn::IfThenElse(keep, v, hn::LoadU(d, to)), d, to);
 }
 
+// Between which places of a row can a triangle cover samples? The bounds of one that is long and
+// oblique are mostly empty.
+struct RowSpan {
+  // Of each edge: a line that no sample of the triangle lies beyond, as the edge's signs are
+  // rounded, and the side on which the triangle is: -1 left of it, 1 right, 0 either.
+  float x[3], y[3], x_per_y[3], slack[3], side[3];
+
+  // Corners are counter-clockwise, rows at most `rows`.
+  void set(const float (&corner_x)[3], const float (&corner_y)[3], float rows) {
+    for (int k = 0; k < 3; ++k) {
+      const int next = (k + 1) % 3;
+      const float along_x = corner_x[next] - corner_x[k], along_y = corner_y[next] - corner_y[k];
+      x[k] = corner_x[k], y[k] = corner_y[k];
+      side[k] = along_y > 0 ? -1.0f : along_y < 0 ? 1.0f : 0.0f;
+      x_per_y[k] = along_y != 0 ? along_x / along_y : 0;
+      // Ten times what single precision rounds.
+      slack[k] = 1 + 1e-6f * (std::abs(x[k]) + std::abs(x_per_y[k]) * (std::abs(y[k]) + rows));
+    }
+  }
+
+  // Makes it narrower where the triangle does not reach; not finite places leave it as it is.
+  HWY_INLINE void cut(int row, float& left, float& right) const {
+    for (int k = 0; k < 3; ++k) {
+      const float low = x[k] + x_per_y[k] * (float(row) - y[k]), high = low + x_per_y[k];
+      if (side[k] < 0) right = std::min(right, std::max(low, high) + slack[k]);
+      if (side[k] > 0) left = std::max(left, std::min(low, high) - slack[k]);
+    }
+  }
+};
+
 // A triangle with holes, ready to be asked for its alpha at samples: attributes over w and 1 / w
 // are affine over the raster, and so are the edges, each of which weighs the corner opposite.
 struct MaskedTriangle {
@@ -218,7 +248,11 @@ std::uint32_t fill_rows(const Triangles& in, std::uint32_t place, std::uint32_t 
     const float left = std::max(std::min(std::min(x0, x1), x2), 0.0f);
     const float right = std::min(std::max(std::max(x0, x1), x2), float(width) - 0.5f);
     // Groups of a row that are `texels` wide.
-    const int first = int(left) >> shift, last = int(right) >> shift;
+    const int first_of_all = int(left) >> shift, last_of_all = int(right) >> shift;
+    constexpr int kManyGroups = 4;
+    const bool many = last_of_all - first_of_all >= kManyGroups;
+    RowSpan span{};
+    if (many) span.set({x0, x1, x2}, {y0, y1, y2}, float(out.height));
     for (int part = 0; part < parts; ++part) {
       const vfloat pattern_x(hn::LoadU(f, patterns[part].x)),
           pattern_y(hn::LoadU(f, patterns[part].y));
@@ -227,6 +261,13 @@ std::uint32_t fill_rows(const Triangles& in, std::uint32_t place, std::uint32_t 
         const vfloat z_row = z0 + z_per_y * (y - y0);
         vfloat across[3] = {0.0f, 0.0f, 0.0f};
         for (int k = 0; k < 3; ++k) across[k] = edges[k].along_x * (y - edges[k].y);
+        int first = first_of_all, last = last_of_all;
+        if (many) {
+          float from_x = left, to_x = right;
+          span.cut(row, from_x, to_x);
+          if (!(from_x <= to_x)) continue;
+          first = int(from_x) >> shift, last = int(to_x) >> shift;
+        }
         for (int group = first; group <= last; ++group) {
           const vfloat x = pattern_x + float(group << shift);
           const auto inside = [&](int k) {
