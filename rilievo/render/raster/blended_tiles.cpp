@@ -1,6 +1,3 @@
-// Corners are rounded to 1/256 of a pixel, as OpenGL does: edge functions are then whole numbers,
-// and of two triangles that share an edge exactly one covers a sample on it.
-//
 // A tile gathers triangles in their order, until one covers a sample that is taken already: then
 // what was gathered is shaded together (seen_triangles.h), blended, and a new round begins.
 #include "rilievo/render/raster/blended_tiles.h"
@@ -15,7 +12,7 @@
 #include "rilievo/core/expects.h"
 #include "rilievo/core/parallel_for.h"
 #include "rilievo/render/draw_list.h"
-#include "rilievo/render/raster/clip_polygon.h"
+#include "rilievo/render/raster/blended_triangle.h"
 #include "rilievo/render/raster/near_clip.h"
 #include "rilievo/render/raster/raster_instances.h"
 #include "rilievo/render/shading/picture_shader.h"
@@ -24,38 +21,7 @@
 namespace rilievo {
 namespace {
 
-constexpr int kUnit = 256;  // of a pixel
-constexpr int kTile = FrameTile::kSize;
-
-// Triangles are cut where they reach farther to the sides, in pixels. Coordinates are then below
-// 2^28 kUnit, the largest frame's height of 2^22 included, and differences below 2^29. An area is
-// the difference of two products of differences, an edge function at a sample the sum of two
-// products of a difference and a coordinate: below 2^59, and 64 bits hold up to 2^63.
-constexpr double kReach = 1e6;
-
-// In the frame; y points down.
-struct BlendedTriangle {
-  std::int64_t x[3], y[3];         // kUnit a pixel, counter-clockwise where y points up
-  double inverse_z, per_x, per_y;  // at the frame's upper left corner; of a pixel
-  std::uint32_t number;            // as in PlacedMesh
-  int x0, y0, x1, y1;              // pixels that it can cover: x0 <= x < x1
-};
-
-// > 0 left of the edge; 0 on it, if it is the triangle's.
-struct Edge {
-  std::int64_t at, per_x, per_y;
-
-  Edge(const BlendedTriangle& t, int k) {
-    const int a = k, b = (k + 1) % 3;
-    const std::int64_t dx = t.x[b] - t.x[a], dy = t.y[b] - t.y[a];
-    const bool own = dy > 0 || (dy == 0 && dx > 0);
-    per_x = dy, per_y = -dx;
-    at = -dy * t.x[a] + dx * t.y[a] + (own ? 1 : 0);
-  }
-  [[nodiscard]] std::int64_t operator()(std::int64_t x, std::int64_t y) const {
-    return at + per_x * x + per_y * y;
-  }
-};
+constexpr int kTile = FrameTile::kSize, kBlockSide = FrameTile::kBlock;
 
 std::uint32_t blend(std::uint32_t under, std::uint32_t over) {
   const std::uint32_t through = 255 - (over >> 24);
@@ -67,107 +33,11 @@ std::uint32_t blend(std::uint32_t under, std::uint32_t over) {
   return out;
 }
 
-// To the nearest, without a call.
-std::int64_t rounded(double v) { return std::int64_t(v < 0 ? v - 0.5 : v + 0.5); }
-
-// Of pixel (x, y), kUnit a pixel.
-glm::i64vec2 sample_at(int x, int y, int s, int samples) {
-  const float sx = samples == 1 ? 0.5f : FrameTile::kSampleX[s],
-              sy = samples == 1 ? 0.5f : FrameTile::kSampleY[s];
-  return {std::int64_t(float(kUnit) * sx) + std::int64_t(x) * kUnit,
-          std::int64_t(float(kUnit) * sy) + std::int64_t(y) * kUnit};
-}
-
-// Does it cover a sample? Only small ones are looked at: most of what is far away covers none.
-bool may_cover(const BlendedTriangle& t, int samples) {
-  if (t.x1 - t.x0 > 2 || t.y1 - t.y0 > 2) return true;
-  const Edge edges[] = {{t, 0}, {t, 1}, {t, 2}};
-  for (int y = t.y0; y < t.y1; ++y)
-    for (int x = t.x0; x < t.x1; ++x)
-      for (int s = 0; s < samples; ++s) {
-        const glm::i64vec2 p = sample_at(x, y, s, samples);
-        if (edges[0](p.x, p.y) > 0 && edges[1](p.x, p.y) > 0 && edges[2](p.x, p.y) > 0) return true;
-      }
-  return false;
-}
-
-// One triangle, if it can be seen in the frame. Corners as in place_pieces().
-std::optional<BlendedTriangle> place_triangle(const Camera& camera, int samples,
-                                              const RasterInstance& in, std::uint32_t number,
-                                              const glm::dvec3 (&corner)[3]) {
-  BlendedTriangle t;
-  double per_w[3];
-  for (int k = 0; k < 3; ++k) {
-    per_w[k] = 1 / corner[k].z;
-    const double x = corner[k].x / corner[k].z, y = corner[k].y / corner[k].z;
-    // What was cut lies at kReach but for rounding: this is no number.
-    if (!(std::abs(x) < 1.001 * kReach && std::abs(y) < 1.001 * kReach)) return std::nullopt;
-    t.x[k] = rounded(x * kUnit), t.y[k] = rounded((camera.height - y) * kUnit);
-  }
-  std::int64_t area = (t.x[1] - t.x[0]) * (t.y[2] - t.y[0]) - (t.x[2] - t.x[0]) * (t.y[1] - t.y[0]);
-  if (area == 0 || !(area < 0 ? in.front : in.back)) return std::nullopt;
-  if (area > 0) {
-    std::swap(t.x[1], t.x[2]), std::swap(t.y[1], t.y[2]), std::swap(per_w[1], per_w[2]);
-    area = -area;
-  }
-  const auto pixels = [](std::int64_t a, std::int64_t b, std::int64_t c, int limit, int& from,
-                         int& to) {
-    const auto clamped = [&](std::int64_t v) { return int(std::clamp<std::int64_t>(v, 0, limit)); };
-    from = clamped(std::min({a, b, c}) / kUnit);
-    to = clamped(std::max({a, b, c}) / kUnit + 1);
-  };
-  pixels(t.x[0], t.x[1], t.x[2], camera.width, t.x0, t.x1);
-  pixels(t.y[0], t.y[1], t.y[2], camera.height, t.y0, t.y1);
-  if (t.x0 >= t.x1 || t.y0 >= t.y1 || !may_cover(t, samples)) return std::nullopt;
-  // 1 / eye_z is affine.
-  const double x1 = double(t.x[1] - t.x[0]) / kUnit, y1 = double(t.y[1] - t.y[0]) / kUnit,
-               x2 = double(t.x[2] - t.x[0]) / kUnit, y2 = double(t.y[2] - t.y[0]) / kUnit;
-  const double det = x1 * y2 - x2 * y1, d1 = per_w[1] - per_w[0], d2 = per_w[2] - per_w[0];
-  t.per_x = (d1 * y2 - d2 * y1) / det, t.per_y = (d2 * x1 - d1 * x2) / det;
-  t.inverse_z = per_w[0] - (double(t.x[0]) * t.per_x + double(t.y[0]) * t.per_y) / kUnit;
-  t.number = number;
-  return t;
-}
-
-// Cuts a polygon at kReach on all four sides.
-void cut_to_reach(std::vector<glm::dvec3>& polygon) {
-  static thread_local std::vector<glm::dvec3> scratch;  // kept, so that drawing does not allocate
-  for (int side = 0; side < 4; ++side)
-    clip_polygon(
-        polygon, scratch,
-        [&](const glm::dvec3& p) { return kReach * p.z + (side % 2 ? 1 : -1) * p[side / 2]; },
-        [](const glm::dvec3& in, const glm::dvec3& out, double share) {
-          return glm::mix(in, out, share);
-        });
-}
-
-// Appends one triangle, or the pieces of it within kReach, if they can be seen in the frame. A
-// corner is x w, y w and w, in pixels; y points up.
-void place_pieces(const Camera& camera, int samples, const RasterInstance& in, std::uint32_t number,
-                  const std::uint32_t* indices, std::vector<BlendedTriangle>& placed) {
-  glm::dvec3 corner[3];
-  bool far = false;
-  for (int k = 0; k < 3; ++k) {
-    const glm::vec4 p(in.positions[indices[k]], 1);
-    corner[k] = {glm::dot(in.row_x, p), glm::dot(in.row_y, p), glm::dot(in.row_w, p)};
-    const double w = corner[k].z;
-    if (!(w > double(in.min_w)) || w <= 0) return;
-    far = far || !(std::abs(corner[k].x) < kReach * w && std::abs(corner[k].y) < kReach * w);
-  }
-  const auto place = [&](const glm::dvec3(&of)[3]) {
-    if (const auto t = place_triangle(camera, samples, in, number, of)) placed.push_back(*t);
-  };
-  if (!far) return place(corner);
-  static thread_local std::vector<glm::dvec3> polygon;
-  polygon.assign(corner, corner + 3);
-  cut_to_reach(polygon);
-  for (std::size_t k = 2; k < polygon.size(); ++k) place({polygon[0], polygon[k - 1], polygon[k]});
-}
-
 // What of a tile waits to be shaded together. A thread's own; empty between tiles.
 struct Gathered {
   SeenTriangles seen;
   std::uint8_t taken[kTile * kTile] = {};  // of each pixel, its samples that are taken
+  float farthest[FrameTile::kBlockCount];  // of each block, the least 1 / eye_z
   // Of one triangle.
   struct Cover {
     std::uint16_t x, y;  // in the frame
@@ -175,6 +45,14 @@ struct Gathered {
   };
   std::vector<Cover> covers;  // kept, so that drawing does not allocate
 
+  void find_farthest(FrameTile& tile) {
+    for (int block = 0; block < FrameTile::kBlockCount; ++block) {
+      farthest[block] = HUGE_VALF;
+      for (int s = 0; s < tile.planes(block); ++s)
+        for (const float inverse_z : tile.plane(block, s).inverse_z)
+          farthest[block] = std::min(farthest[block], inverse_z);
+    }
+  }
   [[nodiscard]] std::uint8_t& taken_at(const FrameTile& tile, int x, int y) {
     return taken[(y - tile.y) * kTile + x - tile.x];
   }
@@ -214,6 +92,8 @@ struct BlendedTiles::State {
   void place_runs(const Camera& camera, int samples);
   void list_tiles();
   bool add(FrameTile& tile, const BlendedTriangle& t, Gathered& into) const;
+  bool add_in(FrameTile& tile, const BlendedTriangle& t, const TriangleEdges& edges,
+              const PixelRange& rect, Gathered& into) const;
   void flush(FrameTile& tile, Gathered& from) const;
 };
 
@@ -236,8 +116,8 @@ void BlendedTiles::State::place_runs(const Camera& camera, int samples) {
     const RasterInstance& in = run.instance;
     run.triangles.clear();
     for (std::uint32_t k = run.first; k < run.first + run.count; ++k)
-      place_pieces(camera, samples, in, in.numbers ? in.numbers[k] : in.first_triangle + k,
-                   in.indices + 3 * std::size_t(k), run.triangles);
+      place_blended(camera, samples, in, in.numbers ? in.numbers[k] : in.first_triangle + k,
+                    in.indices + 3 * std::size_t(k), run.triangles);
   });
   std::size_t count = 0;
   for (std::size_t i = 0; i < run_count; ++i)
@@ -287,9 +167,14 @@ void BlendedTiles::State::place_all(const Camera& camera, int samples, const Pla
 // A list for each tile: counted, then filled.
 void BlendedTiles::State::list_tiles() {
   const auto each_tile = [&](const BlendedTriangle& t, const auto& visit) {
-    for (int y = t.y0 / kTile; y <= (t.y1 - 1) / kTile; ++y)
-      for (int x = t.x0 / kTile; x <= (t.x1 - 1) / kTile; ++x)
-        visit(std::size_t(y) * std::size_t(across) + std::size_t(x));
+    const int left = t.x0 / kTile, right = (t.x1 - 1) / kTile, top = t.y0 / kTile,
+              bottom = (t.y1 - 1) / kTile;
+    const bool one = left == right && top == bottom;
+    const TriangleEdges edges(t);
+    for (int y = top; y <= bottom; ++y)
+      for (int x = left; x <= right; ++x)
+        if (one || !edges.beside({x * kTile, y * kTile, (x + 1) * kTile, (y + 1) * kTile}))
+          visit(std::size_t(y) * std::size_t(across) + std::size_t(x));
   };
   first.assign(std::size_t(across) * std::size_t(down) + 2, 0);
   for (const BlendedTriangle& t : triangles)
@@ -302,23 +187,42 @@ void BlendedTiles::State::list_tiles() {
 
 // Adds a triangle's samples; false, and adds none, if one of them is taken.
 bool BlendedTiles::State::add(FrameTile& tile, const BlendedTriangle& t, Gathered& into) const {
-  const Edge edges[] = {{t, 0}, {t, 1}, {t, 2}};
-  const int samples = tile.samples;
-  const int x0 = std::max(t.x0, tile.x), x1 = std::min(t.x1, tile.x + kTile);
-  const int y0 = std::max(t.y0, tile.y), y1 = std::min(t.y1, tile.y + kTile);
+  const TriangleEdges edges(t);
   into.covers.clear();
-  for (int y = y0; y < y1; ++y)
-    for (int x = x0; x < x1; ++x) {
-      const TilePixel at(tile, x, y);
-      unsigned mask = 0;
-      for (int s = 0; s < samples; ++s) {
-        const glm::i64vec2 p = sample_at(x, y, s, samples);
-        if (edges[0](p.x, p.y) > 0 && edges[1](p.x, p.y) > 0 && edges[2](p.x, p.y) > 0)
-          mask |= 1u << s;
-      }
+  const int left = std::max(t.x0 - tile.x, 0) / kBlockSide,
+            right = (std::min(t.x1 - tile.x, kTile) - 1) / kBlockSide,
+            top = std::max(t.y0 - tile.y, 0) / kBlockSide,
+            bottom = (std::min(t.y1 - tile.y, kTile) - 1) / kBlockSide;
+  for (int by = top; by <= bottom; ++by)
+    for (int bx = left; bx <= right; ++bx) {
+      const int x = tile.x + bx * kBlockSide, y = tile.y + by * kBlockSide;
+      const PixelRange rect{std::max(t.x0, x), std::max(t.y0, y), std::min(t.x1, x + kBlockSide),
+                            std::min(t.y1, y + kBlockSide)};
+      if (nearest_in(t, rect) > into.farthest[by * FrameTile::kBlocks + bx] &&
+          !edges.beside(rect) && !add_in(tile, t, edges, rect, into))
+        return false;
+    }
+  for (const Gathered::Cover& cover : into.covers) {
+    std::uint8_t& taken = into.taken_at(tile, cover.x, cover.y);
+    taken = std::uint8_t(taken | cover.samples);
+    into.seen.add(placed,
+                  {t.number, cover.x, std::uint16_t(tile.height - 1 - cover.y), cover.samples});
+  }
+  return true;
+}
+
+// Finds the triangle's samples in a part of a block; false if one of them is taken.
+bool BlendedTiles::State::add_in(FrameTile& tile, const BlendedTriangle& t,
+                                 const TriangleEdges& edges, const PixelRange& rect,
+                                 Gathered& into) const {
+  const int samples = tile.samples;
+  for (int y = rect.y0; y < rect.y1; ++y)
+    for (int x = rect.x0; x < rect.x1; ++x) {
+      const unsigned mask = edges.samples_in(x, y, samples);
       if (mask == 0) continue;
-      if (samples == 4 && mask != 15u) tile.expand(at.block);
-      const bool apart = samples == 4 && tile.expanded[at.block];
+      const TilePixel at(tile, x, y);
+      const bool expanded = tile.expanded[at.block];
+      const bool apart = samples == 4 && (expanded || mask != 15u);
       unsigned nearer = 0;
       for (int s = 0; s < samples; ++s) {
         if (!(mask >> s & 1)) continue;
@@ -328,18 +232,14 @@ bool BlendedTiles::State::add(FrameTile& tile, const BlendedTriangle& t, Gathere
                     sy = samples == 1 ? 0.5f : FrameTile::kSampleY[of];
         const float inverse_z = float(t.inverse_z + (double(x) + double(sx)) * t.per_x +
                                       (double(y) + double(sy)) * t.per_y);
-        if (inverse_z > tile.plane(at.block, of).inverse_z[at.pixel]) nearer |= 1u << s;
+        if (inverse_z > tile.plane(at.block, expanded ? s : 0).inverse_z[at.pixel])
+          nearer |= 1u << s;
       }
       if (nearer == 0) continue;
+      if (apart) tile.expand(at.block);
       if (into.taken_at(tile, x, y) & nearer) return false;
       into.covers.push_back({std::uint16_t(x), std::uint16_t(y), std::uint8_t(nearer)});
     }
-  for (const Gathered::Cover& cover : into.covers) {
-    std::uint8_t& taken = into.taken_at(tile, cover.x, cover.y);
-    taken = std::uint8_t(taken | cover.samples);
-    into.seen.add(placed,
-                  {t.number, cover.x, std::uint16_t(tile.height - 1 - cover.y), cover.samples});
-  }
   return true;
 }
 
@@ -384,6 +284,8 @@ void BlendedTiles::draw_tile(FrameTile& tile) const {
       std::size_t(tile.y / kTile) * std::size_t(s.across) + std::size_t(tile.x / kTile);
   if (s.first[t] == s.first[t + 1]) return;
   Gathered& local = s.threads.local();
+  // Nothing that blends writes a depth.
+  local.find_farthest(tile);
   for (std::uint32_t i = s.first[t]; i < s.first[t + 1]; ++i) {
     const BlendedTriangle& triangle = s.triangles[s.listed[i]];
     if (s.add(tile, triangle, local)) continue;
