@@ -88,6 +88,48 @@ void splat_strip(const WarpSource& source, std::span<const Reach> reaches, float
     }
 }
 
+// Does the keyframe show nothing but the sky in columns [x0, x1] and rows [y0, y1] of the frame,
+// and a texel around them? Where the sky is seen is a ratio of affine functions again. Of a
+// keyframe with hidden texels it is not known: these have no depth, either.
+bool shows_plain_sky(const WarpSource& source, float x0, float x1, float y0, float y1) {
+  const Keyframe& key = *source.keyframe;
+  if (!key.hidden.empty()) return false;
+  const RasterMap& map = source.from_frame;
+  float left = INFINITY, right = -INFINITY, top = INFINITY, bottom = -INFINITY;
+  for (int i = 0; i < 4; ++i) {
+    const float x = i & 1 ? x1 : x0, y = i & 2 ? y1 : y0;
+    const auto row = [&](const float(&r)[4]) { return r[0] * x + r[1] * y + r[2]; };
+    const float z = row(map.z);
+    if (!(z > 1e-3f && z <= kMostMagnified)) return false;
+    const float at_x = row(map.x) / z, at_y = row(map.y) / z;
+    left = std::min(left, at_x), right = std::max(right, at_x);
+    top = std::min(top, at_y), bottom = std::max(bottom, at_y);
+  }
+  // A place lies between the centres of four texels.
+  constexpr float kAround = 2;
+  if (!(left >= kAround && top >= kAround && right <= float(key.camera.width) - kAround &&
+        bottom <= float(key.camera.height) - kAround))
+    return false;
+  for (int by = int(top - kAround) / Keyframe::kRows;
+       by <= int(bottom + kAround - 1) / Keyframe::kRows; ++by)
+    for (int bx = int(left - kAround) / Keyframe::kColumns;
+         bx <= int(right + kAround - 1) / Keyframe::kColumns; ++bx)
+      if (!key.blocks(bx, by).empty()) return false;
+  return true;
+}
+
+void find_plain_sky(std::span<const WarpSource> sources, const DepthStrip& strip,
+                    std::vector<std::uint8_t>& plain) {
+  plain.clear();
+  for (int x = 0; x < strip.width; x += DepthStrip::kSkyColumns) {
+    const int end = std::min(x + DepthStrip::kSkyColumns, strip.width);
+    plain.push_back(std::ranges::any_of(sources, [&](const WarpSource& source) {
+      return shows_plain_sky(source, float(x), float(end), float(strip.first),
+                             float(strip.first + strip.rows));
+    }));
+  }
+}
+
 template <class T>
 void fit(Image<T>& image, int width, int height) {
   if (image.width() != width || image.height() != height) image = Image<T>(width, height);
@@ -196,7 +238,7 @@ std::size_t WarpedFrame::holes() const {
 }
 
 void warp_keyframes(std::span<const WarpedKeyframe> keyframes, const Camera& frame,
-                    WarpedFrame& out, const WarpCover* cover) {
+                    WarpedFrame& out, const WarpCover* cover, bool leaves_sky) {
   RILIEVO_EXPECTS(!cover || (cover->inverse_z->width() == frame.width &&
                              cover->inverse_z->height() == frame.height));
   const std::span<const WarpSource> sources = make_sources(keyframes, frame);
@@ -232,6 +274,11 @@ void warp_keyframes(std::span<const WarpedKeyframe> keyframes, const Camera& fra
     std::fill_n(strip.inverse_z, size, 0.0f);
     for (int k = 0; k < count; ++k)
       splat_strip(sources[std::size_t(k)], reaches[std::size_t(k)], near, strip);
+    if (leaves_sky) {
+      static thread_local std::vector<std::uint8_t> plain_sky;
+      find_plain_sky(sources, strip, plain_sky);
+      strip.plain_sky = plain_sky.data();
+    }
     std::uint32_t holes = 0;
     for (int y = strip.first; y < strip.first + strip.rows; ++y)
       holes += shade_row(

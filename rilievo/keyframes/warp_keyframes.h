@@ -52,7 +52,7 @@ struct WarpedKeyframe {
 // A frame that was warped. All images have the frame's size.
 struct WarpedFrame {
   static constexpr int kStrip = 32;     // rows
-  Image<std::uint32_t> color;           // as Keyframe's; 0: a hole. kCoveredPixel
+  Image<std::uint32_t> color;           // as Keyframe's; 0: a hole. kCoveredPixel, kPlainSky
   Image<float> inverse_z;               // 1 / eye_z; 0: sky or a hole
   Image<std::uint32_t> holes_in_strip;  // one row: the number of holes of each strip
 
@@ -80,6 +80,8 @@ inline constexpr float kLargestSquare = 64;
 
 // The colour of a pixel, of depth 0, that is not warped because something else covers it.
 inline constexpr std::uint32_t kCoveredPixel = 0x01000000u;
+// And of one, of depth 0, that shows the sky and is left to whoever draws that.
+inline constexpr std::uint32_t kPlainSky = 0x02000000u;
 
 // The surfaces that will be drawn over a warped frame.
 struct WarpCover {
@@ -90,9 +92,10 @@ struct WarpCover {
 
 // Warps and merges. Nothing nearer than the frame's z_near is shown. What is behind `cover` (of the
 // frame's size; null: nothing) is left out. It is a hole where no keyframe sees so far and there
-// may be something in front of the cover. Requires at least one keyframe.
+// may be something in front of the cover. `leaves_sky`: where keyframes show nothing but the sky it
+// is not looked up, and pixels are kPlainSky. Requires at least one keyframe.
 void warp_keyframes(std::span<const WarpedKeyframe> keyframes, const Camera& frame,
-                    WarpedFrame& out, const WarpCover* cover = nullptr);
+                    WarpedFrame& out, const WarpCover* cover = nullptr, bool leaves_sky = false);
 
 // The objects of the frame's pixels, as it was warped; kNoObject in holes.
 void warp_objects(std::span<const WarpedKeyframe> keyframes, const Camera& frame,

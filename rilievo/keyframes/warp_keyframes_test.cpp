@@ -258,6 +258,73 @@ TEST(WarpKeyframes, AreTheSameBytesAsByTheSlowDefinition) {
   }
 }
 
+TEST(WarpKeyframes, PlainSkyIsLeftToWhoeverDrawsItAndAllElseIsTheSame) {
+  Random random(43);
+  std::size_t plain = 0, sky = 0;
+  for (int i = 0; i < 24; ++i) {
+    const Camera frame = random_eye(random, 230 + 9 * (i % 3), 130, 0.2);
+    std::vector<Keyframe> keys;
+    for (int k = 0; k < 1 + i % 2; ++k) {
+      Keyframe& key = keys.emplace_back(random_keyframe(
+          random, keyframe_camera(random_eye(random, frame.width, frame.height, 0.2), 1.3),
+          i % 3 > 0));
+      // Things in the lower left, and one alone in the sky.
+      for (int y = 0; y < key.camera.height; ++y)
+        for (int x = 0; x < key.camera.width; ++x)
+          if ((y < key.camera.height / 2 || x > key.camera.width / 2) &&
+              !(k == 0 && std::abs(x - 200) < 3 && std::abs(y - 40) < 3))
+            key.inverse_z(x, y) = 0, key.object(x, y) = kNoObject;
+      // Of the sky there is nothing in front, nor behind.
+      const int finer = key.quarters() ? 2 : 1;
+      for (int y = 0; y < key.color.height(); ++y)
+        for (int x = 0; x < key.color.width(); ++x)
+          if (key.inverse_z(x / finer, y / finer) == 0)
+            key.color(x, y) = (key.color(x, y) & 0xffffffu) | kWholeTexel;
+      find_ranges(key, 0, key.camera.width);
+    }
+    const bool hides = i % 8 == 7;
+    if (hides)
+      for (Keyframe& key : keys) hide_objects(key, std::vector<std::uint32_t>{3, 17, 30, 38});
+    std::vector<WarpedKeyframe> warped;
+    for (const Keyframe& key : keys) warped.push_back({&key, 1.0f});
+    Image<float> cover(frame.width, frame.height);
+    for (int y = 20; y < 50; ++y)
+      for (int x = 33; x < 140; ++x) cover(x, y) = random.between(0, 1) < 0.5 ? 0.1f : 0.0f;
+    const WarpCover some{&cover, 2.0f};
+    WarpedFrame whole, left;
+    warp_keyframes(warped, frame, whole, i % 4 == 2 ? &some : nullptr);
+    warp_keyframes(warped, frame, left, i % 4 == 2 ? &some : nullptr, true);
+    EXPECT_EQ(left.inverse_z, whole.inverse_z);
+    EXPECT_EQ(left.holes(), whole.holes());
+    for (int y = 0; y < frame.height; ++y)
+      for (int x = 0; x < frame.width; ++x) {
+        if (left.color(x, y) != kPlainSky) {
+          EXPECT_EQ(left.color(x, y), whole.color(x, y)) << i << " " << x << " " << y;
+          sky += whole.inverse_z(x, y) == 0 && whole.color(x, y) > kPlainSky;
+          continue;
+        }
+        ++plain, ++sky;
+        EXPECT_FALSE(hides);
+        EXPECT_EQ(whole.inverse_z(x, y), 0);
+        // Neither a hole nor covered.
+        EXPECT_GT(whole.color(x, y), kPlainSky);
+        // And no texel shows something there, by the definition.
+        const bool seen = std::ranges::any_of(keys, [&](const Keyframe& key) {
+          const RasterMap map = raster_map(key.camera, frame);
+          const float px = float(x) + 0.5f, py = float(y) + 0.5f, z = apply(map.z, px, py, 0);
+          const int ix = int(apply(map.x, px, py, 0) / z - 0.5f),
+                    iy = int(apply(map.y, px, py, 0) / z - 0.5f);
+          for (int k = 0; k < 4; ++k)
+            if (key.inverse_z(ix + k % 2, iy + k / 2) != 0) return false;
+          return true;
+        });
+        EXPECT_TRUE(seen);
+      }
+  }
+  // Strips and segments are coarse, and the frames small: of 1280 x 720 most is.
+  EXPECT_GT(plain, sky / 4);
+}
+
 TEST(WarpKeyframes, HiddenObjectsAreShownAgain) {
   Random random(12);
   const Camera frame = random_eye(random, 120, 80);

@@ -159,6 +159,9 @@ std::uint32_t shade(const WarpSource* sources, int count, const DepthStrip& stri
   for (int x = 0; x < strip.width; x += lanes) {
     const VF px = hn::Add(hn::ConvertTo(f, lane_numbers(i32, x)), number(0.5f));
     const VF splatted = hn::LoadU(f, row + x);
+    const VF left_of = hn::LoadU(f, row + x - 1), right_of = hn::LoadU(f, row + x + 1);
+    const VF over = hn::LoadU(f, above + x), under = hn::LoadU(f, below + x);
+    const VF nearest = hn::Max(hn::Max(left_of, right_of), hn::Max(over, under));
     const int left = strip.width - x;
     // Behind what covers it; of these, before which there is something that no keyframe shows?
     Mask covered = hn::Gt(zero, zero), unknown = covered;
@@ -170,6 +173,15 @@ std::uint32_t shade(const WarpSource* sources, int count, const DepthStrip& stri
             hn::Or(hn::Gt(hides, number(nearest_thing)), seen_until(sources, count, px, py, hides)),
             covered);
     }
+    // Pixel by pixel, so that the same ones are with any number of lanes.
+    Mask plain = hn::Gt(zero, zero);
+    if (strip.plain_sky && strip.plain_sky[x / DepthStrip::kSkyColumns] != 0)
+      plain = hn::AndNot(covered, hn::Eq(hn::Max(splatted, nearest), zero));
+    if (left >= lanes && hn::AllTrue(f, plain)) {
+      hn::StoreU(hn::Set(u32, kPlainSky), u32, color + x);
+      hn::StoreU(zero, f, inverse_z + x);
+      continue;
+    }
     const VU under_cover =
         hn::IfThenZeroElse(hn::RebindMask(u32, unknown), hn::Set(u32, kCoveredPixel));
     if (hn::AllTrue(f, covered)) {
@@ -178,11 +190,8 @@ std::uint32_t shade(const WarpSource* sources, int count, const DepthStrip& stri
       holes += std::uint32_t(hn::CountTrue(f, unknown));
       continue;
     }
-    const VF left_of = hn::LoadU(f, row + x - 1), right_of = hn::LoadU(f, row + x + 1);
-    const VF over = hn::LoadU(f, above + x), under = hn::LoadU(f, below + x);
     // At an edge the surface in front covers a part of the pixel, and the one behind the rest. One
     // of them is the pixel's own.
-    const VF nearest = hn::Max(hn::Max(left_of, right_of), hn::Max(over, under));
     const VF farthest = hn::Min(hn::Min(left_of, right_of), hn::Min(over, under));
     const VF times = number(1 + kSameSurfaceDepth);
     const Mask is_behind = hn::Gt(nearest, hn::Mul(splatted, times));
@@ -220,6 +229,8 @@ std::uint32_t shade(const WarpSource* sources, int count, const DepthStrip& stri
     VU out = hn::Or(hn::Or(byte(sum.r), hn::ShiftLeft<8>(byte(sum.g))),
                     hn::Or(hn::ShiftLeft<16>(byte(sum.b)), hn::Set(u32, 0xff000000u)));
     out = hn::IfThenElseZero(hn::RebindMask(u32, shown), out);
+    out = hn::IfThenElse(hn::RebindMask(u32, plain), hn::Set(u32, kPlainSky), out);
+    shown = hn::Or(shown, plain);
     w = hn::IfThenElseZero(hn::AndNot(covered, shown), w);
     out = hn::IfThenElse(hn::RebindMask(u32, covered), under_cover, out);
     if (left >= lanes) {

@@ -29,6 +29,10 @@ struct DepthStrip {
   float* inverse_z = nullptr;         // of the row above the first one, at its border
   std::size_t stride = 0;
   int first = 0, rows = 0, width = 0;
+  // Of each kSkyColumns columns: a keyframe shows nothing but the sky there. Null: that is not
+  // asked.
+  static constexpr int kSkyColumns = 64;
+  const std::uint8_t* plain_sky = nullptr;
 
   [[nodiscard]] float* row(int y) const {
     return inverse_z + std::size_t(y - first + 1) * stride + kBorder;
@@ -40,7 +44,8 @@ void splat_row(const WarpSource& source, int y, int from, int to, float near,
                const DepthStrip& out);
 
 // The rows of the strip: depths and colours of row y. `cover`: 1 / eye_z of what will be drawn over
-// the row's pixels; null: nothing will (WarpCover). Returns the number of holes.
+// the row's pixels; null: nothing will (WarpCover). Where plain_sky says so, and no square is or is
+// beside it, a pixel is kPlainSky. Returns the number of holes.
 std::uint32_t shade_row(const WarpSource* sources, int count, const DepthStrip& strip, int y,
                         const float* cover, float nearest_thing, float* inverse_z,
                         std::uint32_t* color);

@@ -72,6 +72,8 @@ struct KeyframeFrames::State {
   std::optional<NearObjects> near;
   UnshownObjects unshown;
   bool any_still = false, blends = false;
+  // Do keyframes show the scene's sky? A source of its own may have another.
+  bool scene_sky = false;
   std::optional<KeyframeProducer> producer;
   std::optional<CheaperWay> cheaper;  // where polygons show the same and time matters
   bool warps = false;                 // the last frame shows keyframes
@@ -142,6 +144,7 @@ void KeyframeFrames::State::make_producer() {
   }
   if (!source) source = &ray_source;
   if (!any_moves) objects.clear();  // all: sources leave out what they do not see
+  scene_sky = !own_source || options.keyframes.sky;
   producer.emplace(*source, ray_source, options.keyframes, std::move(objects),
                    near ? &*near : nullptr);
 }
@@ -226,7 +229,7 @@ Result<> KeyframeFrames::State::warp_from(std::span<const WarpedKeyframe> keyfra
     covers.nearest = nearest_of(still);
   }
   const double polygons_ms = watch.ms();
-  warp_keyframes(keyframes, camera, warped, live.empty() ? nullptr : &covers);
+  warp_keyframes(keyframes, camera, warped, live.empty() ? nullptr : &covers, scene_sky);
   shares.polygons_ms += polygons_ms;
   shares.warp_ms += watch.ms() - polygons_ms;
   return look_for_unshown();

@@ -3,6 +3,7 @@
 #include <tbb/enumerable_thread_specific.h>
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 
 #include "rilievo/core/expects.h"
@@ -57,9 +58,18 @@ struct KeyframeTiles::State {
   void keep_points();
   void draw_sky(FrameTile& tile) const;
   void copy_sky(FrameTile& tile, int block) const;
+  // Of a block in which the sky may be seen: is it plain in any of its pixels, in all?
+  struct PlainSky {
+    bool any, all;
+  };
+  [[nodiscard]] PlainSky plain_sky_in(const FrameTile& tile, int block) const;
   [[nodiscard]] std::size_t tile_index(const FrameTile& tile) const;
   void copy_block(FrameTile& tile, int block) const;
-  [[nodiscard]] float farthest_in(int x, int y, int columns, int rows) const;
+  // Of 1 / eye_z in a block; of one that is not whole: anything.
+  struct DepthRange {
+    float least, most;
+  };
+  [[nodiscard]] DepthRange range_of(int x, int y, int columns, int rows) const;
   void fill(FrameTile& tile) const;
   void show_points(FrameTile& tile, std::size_t index) const;
   void cast_open(FrameTile& tile, std::size_t index) const;
@@ -180,13 +190,15 @@ void KeyframeTiles::State::copy_block(FrameTile& tile, int block) const {
   const Image<std::uint32_t>& shows = shown ? *shown : warped->color;
   FrameTile::Plane& plane = tile.first[block];
   // Most blocks are surface: nothing has to be looked for behind it.
-  if (const float farthest = farthest_in(x, y, columns, rows); farthest > tile.nothing) {
+  const DepthRange depths_of = range_of(x, y, columns, rows);
+  if (!(depths_of.most > tile.nothing)) return;
+  if (depths_of.least > tile.nothing) {
     for (int row = 0; row < rows; ++row) {
       const int to = row * kBlockSize;
       std::copy_n(warped->inverse_z.row(y + row).data() + x, kBlockSize, plane.inverse_z + to);
       std::copy_n(shows.row(y + row).data() + x, kBlockSize, plane.content + to);
     }
-    tile.farthest[block] = farthest;
+    tile.farthest[block] = depths_of.least;
     return;
   }
   for (int row = 0; row < rows; ++row) {
@@ -202,16 +214,20 @@ void KeyframeTiles::State::copy_block(FrameTile& tile, int block) const {
   tile.changed[block] = true;
 }
 
-// The least 1 / eye_z of a block; 0 of one that is not whole.
-float KeyframeTiles::State::farthest_in(int x, int y, int columns, int rows) const {
-  if (columns < kBlockSize || rows < kBlockSize) return 0;
-  float least[kBlockSize];
+KeyframeTiles::State::DepthRange KeyframeTiles::State::range_of(int x, int y, int columns,
+                                                                int rows) const {
+  if (columns < kBlockSize || rows < kBlockSize) return {0, INFINITY};
+  float least[kBlockSize], most[kBlockSize];
   std::copy_n(warped->inverse_z.row(y).data() + x, kBlockSize, least);
+  std::copy_n(least, kBlockSize, most);
   for (int row = 1; row < kBlockSize; ++row) {
     const float* depths = warped->inverse_z.row(y + row).data() + x;
-    for (int i = 0; i < kBlockSize; ++i) least[i] = depths[i] < least[i] ? depths[i] : least[i];
+    for (int i = 0; i < kBlockSize; ++i) {
+      least[i] = depths[i] < least[i] ? depths[i] : least[i];
+      most[i] = depths[i] > most[i] ? depths[i] : most[i];
+    }
   }
-  return *std::min_element(least, least + kBlockSize);
+  return {*std::min_element(least, least + kBlockSize), *std::max_element(most, most + kBlockSize)};
 }
 
 std::size_t KeyframeTiles::State::tile_index(const FrameTile& tile) const {
@@ -306,11 +322,35 @@ void KeyframeTiles::draw_tile(FrameTile& tile) const {
 
 void KeyframeTiles::State::draw_sky(FrameTile& tile) const {
   if (tile.of != TileContent::color) return;
-  // Without holes keyframes show all of the sky.
-  if (const std::size_t index = tile_index(tile); first[index] != first[index + 1])
-    scene_sky.draw_tile(tile);
+  // Without holes keyframes show the sky where it is not plain.
+  const std::size_t index = tile_index(tile);
+  bool any_plain = first[index] != first[index + 1], all_plain[FrameTile::kBlockCount];
+  for (int block = 0; block < FrameTile::kBlockCount; ++block) {
+    const PlainSky plain = plain_sky_in(tile, block);
+    any_plain = any_plain || plain.any, all_plain[block] = plain.all;
+  }
+  if (any_plain) scene_sky.draw_tile(tile);
   for (int block = 0; block < FrameTile::kBlockCount; ++block)
-    if (tile.changed[block] || !(tile.farthest[block] > tile.nothing)) copy_sky(tile, block);
+    if (!all_plain[block] && (tile.changed[block] || !(tile.farthest[block] > tile.nothing)))
+      copy_sky(tile, block);
+}
+
+KeyframeTiles::State::PlainSky KeyframeTiles::State::plain_sky_in(const FrameTile& tile,
+                                                                  int block) const {
+  const BlockPlace place(tile, block);
+  if (!place.within() || (!tile.changed[block] && tile.farthest[block] > tile.nothing))
+    return {false, true};
+  const auto [x, y, columns, rows] = place;
+  std::uint32_t plain = 0, others = 0;
+  for (int row = 0; row < rows; ++row) {
+    const std::uint32_t* colors = warped->color.row(y + row).data() + x;
+    // So written that a compiler makes vectors of it.
+    for (int column = 0; column < columns; ++column) {
+      plain |= std::uint32_t(colors[column] == kPlainSky);
+      others |= colors[column] ^ kPlainSky;
+    }
+  }
+  return {plain != 0, others == 0};
 }
 
 void KeyframeTiles::State::copy_sky(FrameTile& tile, int block) const {
@@ -328,7 +368,7 @@ void KeyframeTiles::State::copy_sky(FrameTile& tile, int block) const {
       // So written that a compiler makes vectors of it.
       for (int column = 0; column < columns; ++column) {
         const bool shows = !(depths[column] > tile.nothing) & (colors[column] != 0) &
-                           !(nearest[column] > tile.nothing);
+                           (colors[column] != kPlainSky) & !(nearest[column] > tile.nothing);
         contents[column] = shows ? colors[column] : contents[column];
       }
     }

@@ -176,7 +176,7 @@ void SampledLoss::add(const Camera& camera, std::span<const std::uint32_t> objec
       const std::uint32_t seen = shown(pixels_[i].x, pixels_[i].y);
       const double weight = lies_in(rect, pixels_[i]) ? of_inner : of_outer;
       shown_ += weight *
-                (seen == 0 || seen == kCoveredPixel
+                (seen == 0 || seen == kCoveredPixel || seen == kPlainSky
                      ? of_direct
                      : square(glm::dvec3(seen & 255, seen >> 8 & 255, seen >> 16 & 255) - truth));
       direct_ += weight * of_direct;

@@ -43,7 +43,8 @@ class SampledLoss {
   explicit SampledLoss(const RayScene& rays);
 
   // A frame was warped, of `objects` and nothing else. `shown`: its colours, as WarpedFrame's; what
-  // is covered counts as direct drawing. `remembered`: the share of the sums that is kept.
+  // is covered, and plain sky, counts as direct drawing. `remembered`: the share of the sums that
+  // is kept.
   void add(const Camera& camera, std::span<const std::uint32_t> objects,
            const Image<std::uint32_t>& shown, double remembered = kRemembered);
   void forget() { shown_ = direct_ = counted_ = surfaces_ = 0; }
