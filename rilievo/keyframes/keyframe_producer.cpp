@@ -119,6 +119,11 @@ void KeyframeProducer::add_spare() {
          makes_quarters(options_.samples, options_.whole_texels));
 }
 
+void KeyframeProducer::take_memory() {
+  while (ready_.size() + spare_.size() + (maker_.busy() || complete_ ? 1 : 0) < kKept + kSpare)
+    add_spare();
+}
+
 Keyframe KeyframeProducer::reusable() {
   if (spare_.empty()) return {};
   Keyframe key = std::move(spare_.back());
@@ -175,6 +180,8 @@ void KeyframeProducer::begin(const Camera& eye, bool stands) {
       request.objects = near_->rest(), request.left_out = near_->near();
     }
   }
+  // Its memory is that of a later one, too, when the eye may turn.
+  if (spare_.empty() && options_.keyframe_ms > 0) add_spare();
   maker_.begin(request, reusable());
 }
 
@@ -218,8 +225,6 @@ void KeyframeProducer::hide(std::span<const std::uint32_t> objects) {
 }
 
 Result<> KeyframeProducer::make_whole(const Camera& eye, bool stands) {
-  // Its memory is that of a later one, too.
-  if (spare_.empty() && options_.keyframe_ms > 0) add_spare();
   begin(eye, stands);
   // A source that captures in parts takes its memory for these now, not when frames are timed.
   const int columns = maker_.takes_parts(source_) ? maker_.camera().width / 2 : 1 << 20;

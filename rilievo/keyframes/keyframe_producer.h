@@ -66,6 +66,8 @@ class KeyframeProducer {
   // Makes one for this eye now, with the last frame's window. Fails where the source does. Not
   // beside the frames.
   Result<> make_for(const Camera& eye);
+  // Takes the memory of those to come now, so that no frame that begins one touches new pages.
+  void take_memory();
   // How many frames the next one is expected to take.
   [[nodiscard]] double frames_for_one() const { return columns_a_frame().frames; }
   // Those that a frame of this eye would be warped from: no frame begins.

@@ -146,6 +146,25 @@ TEST(KeyframeProducer, KeyframesForGivenEyesAreThereAtOnce) {
   }
 }
 
+// What begins a keyframe finds its memory there.
+TEST(KeyframeProducer, MemoryThatWasTakenSuffices) {
+  ProducerStage stage;
+  KeyframeProducer producer(stage.source, stage.source, {.samples = 1, .interval = 4});
+  (void)producer.follow(ProducerStage::eye(0), 0);
+  ASSERT_TRUE(producer.make_for(ProducerStage::eye(0)));
+  ASSERT_TRUE(producer.make_for(ProducerStage::eye(0.1)));
+  producer.take_memory();
+  const std::size_t taken = producer.bytes();
+  for (int i = 1; i < 40; ++i) {
+    (void)producer.follow(ProducerStage::eye(0.02 * i), 0);
+    ASSERT_TRUE(producer.work());
+    EXPECT_LE(producer.bytes(), taken);
+    const std::size_t before = producer.bytes();
+    producer.take_memory();
+    EXPECT_EQ(producer.bytes(), before) << i;
+  }
+}
+
 // Those that were made before anything was known of the eye are smooth.
 TEST(KeyframeProducer, AnEyeThatStandsFromTheFirstFrameOnGetsASharpOne) {
   ProducerStage stage;
