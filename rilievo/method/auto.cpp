@@ -42,6 +42,8 @@ constexpr double kSameLevels = 0.8;
 // And so many times as many more before what draws is refused: a look may have met the few pixels
 // that are wrong.
 constexpr int kLossesToRefuse = 8;
+// Levels that leave more than this share of the triangles draw nearly what polygons do.
+constexpr double kLevelsMayPay = 0.9;
 // The share of a frame in how slow the machine is.
 constexpr double kNewestSlowness = 0.05;
 // And between which it is taken to lie: a frame that shows next to nothing, or
@@ -116,6 +118,8 @@ void AutoFrames::look(const Camera& camera) {
   // After a jump they show a coarse one, which pops when another method replaces it a frame later.
   keyframes.good_enough = !eye_.jumped() && good_enough(kKeyframes);
   outlook_[kLevels].good_enough = good_enough(kLevels);
+  if (decision_->draws() != kLevels && load.level_triangles > kLevelsMayPay * load.triangles)
+    outlook_[kLevels].ready = outlook_[kLevels].preparable = false;
   if (keyframes_) {
     keyframes.ready = preparing_ != kKeyframes && frame_ - keyframes_seen_ <= kKeyframesLast &&
                       keyframes_->prepared();

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <glm/glm.hpp>
 
+#include "rilievo/core/box_view.h"
 #include "rilievo/core/stopwatch.h"
 #include "rilievo/method/auto_frames.h"
 
@@ -30,6 +31,13 @@ void add_object(const Camera& camera, const Box& bounds, double triangles, Frame
   load.level_triangles += std::min(triangles, std::max(most, kLeastLevel));
 }
 
+// The pixels in which it may be seen.
+double covered_pixels(const Camera& camera, const glm::dmat4& eye, const Box& bounds) {
+  if (bounds.empty()) return 0;
+  const RasterRect rect = rect_of_box(camera, view_of_box(eye, bounds, camera.projection));
+  return rect.empty() ? 0 : (rect.right - rect.left) * (rect.bottom - rect.top);
+}
+
 }  // namespace
 
 void AutoFrames::measure_load(const Camera& camera) {
@@ -37,9 +45,14 @@ void AutoFrames::measure_load(const Camera& camera) {
   backend_.placed().cull(camera, in_view_);
   load_ = {0, double(camera.width) * camera.height, 0, threads_, masked_};
   const Scene& scene = backend_.scene();
-  for (const std::uint32_t object : in_view_)
-    add_object(camera, backend_.placed().bounds()[object],
+  const glm::dmat4 eye = eye_from_world(camera);
+  for (const std::uint32_t object : in_view_) {
+    const Box& bounds = backend_.placed().bounds()[object];
+    add_object(camera, bounds,
                double(scene.models[std::size_t(scene.objects[object].model)].triangles), load_);
+    // Of few objects; many cover the frame.
+    if (load_.covered < load_.pixels) load_.covered += covered_pixels(camera, eye, bounds);
+  }
   // Until there are levels it is a guess.
   if (levels_.levels)
     load_.level_triangles = count_level_triangles(

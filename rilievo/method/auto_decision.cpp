@@ -27,7 +27,7 @@ constexpr double kMuchMore = 1.3;
 // recent ones ask for.
 constexpr double kStaysRecent = 0.99, kMostGain = 0.2;
 // The frames of a trial after the warm-up; and of one that ends within kClose of the other's time.
-constexpr int kTrial = 3, kCloseTrial = 10;
+constexpr int kTrial = 3, kCloseTrial = 10, kMostTrial = 64;
 constexpr double kClose = 0.15;
 // A trial of which a frame takes this much more ends at once; after a warm-up. So one that fails is
 // two frames, and not more than a hundredth of a walk of some seconds.
@@ -45,25 +45,33 @@ constexpr double kMostMore = 5;
 // What is prepared in the time of so many frames need not gain much.
 constexpr double kLittle = 2;
 
+// By how much all methods are taken to have become slower since one of them was measured, at most.
+constexpr double kMostSlower = 1.25;
+
 // A frame that takes so many times the median of the last ones counts as that: other programs slow
 // some frames in a row down by much more.
 constexpr double kMuchForMean = 1.3;
 constexpr int kLeastForMedian = 3;
-// By how much all methods are taken to have become slower since one of them was measured, at most.
-constexpr double kMostSlower = 1.25;
-
 // What was measured with kThreads threads (AVX-512, no GPU): direct-raster, direct-rays, keyframes.
 constexpr int kThreads = 2;
 constexpr double kDirectPixelMs = 18e-6, kDirectTriangleMs = 11e-6;
-constexpr double kRaysPixelMs = 180e-6, kMaskedTimes = 4, kKeyframesPixelMs = 13e-6;
+constexpr double kRaysPixelMs = 180e-6, kMaskedTimes = 4, kKeyframesPixelMs = 13e-6,
+                 kKeyframesSkyMs = 8e-6;
 
 double doubt(int age) { return std::min(kMostDoubt, kDoubt * std::sqrt(double(age))); }
 
-// The mean without the largest, which may be the work of another program.
+// The mean without the largest, which may be the work of another program, and of others that take
+// much as of frames that are no trial.
 double trial_mean(std::span<const double> ms) {
-  double sum = 0, most = 0;
-  for (const double one : ms) sum += one, most = std::max(most, one);
-  return ms.size() > 1 ? (sum - most) / double(ms.size() - 1) : sum;
+  std::array<double, kMostTrial> sorted;
+  RILIEVO_EXPECTS(!ms.empty() && ms.size() <= sorted.size());
+  const auto end = std::copy(ms.begin(), ms.end(), sorted.begin());
+  std::sort(sorted.begin(), end);
+  if (ms.size() == 1) return ms[0];
+  const double most = kMuchForMean * sorted[ms.size() / 2];
+  double sum = 0;
+  for (auto one = sorted.begin(); one != end - 1; ++one) sum += std::min(*one, most);
+  return sum / double(ms.size() - 1);
 }
 
 }  // namespace
@@ -83,7 +91,10 @@ double FrameLoad::levels_ms() const {
 double FrameLoad::rays_ms() const {
   return (masked ? kMaskedTimes : 1) * by_threads(kRaysPixelMs * pixels);
 }
-double FrameLoad::keyframes_ms() const { return by_threads(kKeyframesPixelMs * pixels); }
+double FrameLoad::keyframes_ms() const {
+  const double things = std::min(covered, pixels);
+  return by_threads(kKeyframesPixelMs * things + kKeyframesSkyMs * (pixels - things));
+}
 
 std::string_view describe(AutoReason reason) {
   switch (reason) {

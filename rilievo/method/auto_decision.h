@@ -44,6 +44,7 @@ struct FrameLoad {
   double level_triangles = 0;  // that levels of detail leave, about
   int threads = 1;
   bool masked = false;  // textures cut surfaces out, as leaves': rays go on through them
+  double covered = 0;   // pixels in which objects may be seen, at most
 
   // The polygons are so few, for each pixel, that pixels take the time, and nothing can gain.
   static constexpr double kFits = 0.02;

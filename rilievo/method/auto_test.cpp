@@ -70,6 +70,26 @@ TEST_F(AutoTest, where_triangles_are_few_nothing_is_captured) {
   }
 }
 
+// Of boxes there are none.
+TEST_F(AutoTest, levels_that_leave_all_triangles_are_not_tried) {
+  auto built = make_builtin("builtin:cube");
+  ASSERT_TRUE(built.ok());
+  const Object box = built->scene.objects.front();
+  for (int i = 1; i < 400; ++i) {
+    built->scene.objects.push_back(box);
+    built->scene.objects.back().placement =
+        glm::translate(box.placement, {float(i % 20 - 10), 0, float(i / 20)});
+  }
+  SoftwareBackend backend(built->scene, 4);
+  const Result<Method> made = make_method("auto", {.by_clock = true}, backend);
+  ASSERT_TRUE(made.ok());
+  for (int i = 0; i < 80; ++i) {
+    const double time = frame_time(built->path, i);
+    ASSERT_TRUE(made->frames->draw(camera_at(built->path, time, 100, 60), time).ok());
+    EXPECT_NE(made->frames->stats().decision.method, "lod") << i;
+  }
+}
+
 TEST_F(AutoTest, by_counts_the_same_walk_gives_the_same_frames) {
   std::vector<Rgba8Image> frames[2];
   std::vector<std::string> decisions[2];
