@@ -136,6 +136,7 @@ void KeyframeProducer::forget() {
   if (maker_.busy() || std::exchange(complete_, false)) keep_memory(maker_.give_up());
   for (Keyframe& key : ready_) keep_memory(std::move(key));
   ready_.clear(), chosen_.clear(), left_out_.clear(), also_hidden_.clear();
+  hurries_ = false;
   if (spare_.size() > kSpare) spare_.resize(kSpare);
 }
 
@@ -288,6 +289,8 @@ Result<std::span<const WarpedKeyframe>> KeyframeProducer::make_now() {
 // together take the least if they take the same.
 double KeyframeProducer::ms_a_frame() const { return std::max(options_.keyframe_ms, holes_ms_); }
 
+int KeyframeProducer::most_frames() const { return hurries_ ? kMostInterval / 2 : kMostInterval; }
+
 KeyframeProducer::Columns KeyframeProducer::columns_a_frame() const {
   constexpr int kBand = KeyframeMaker::kBand;
   const int width = camera_with(frame_, margin()).width;
@@ -297,7 +300,7 @@ KeyframeProducer::Columns KeyframeProducer::columns_a_frame() const {
   };
   // No more than needed; but an eye soon is where a keyframe that takes too many frames shows
   // little.
-  const int most = of_frames(options_.interval), least = std::min(of_frames(kMostInterval), most);
+  const int most = of_frames(options_.interval), least = std::min(of_frames(most_frames()), most);
   int expected = most;
   double a_frame = most;
   if (options_.keyframe_ms > 0 && ms_per_column_ > 0) {
@@ -351,9 +354,9 @@ Result<int> KeyframeProducer::step(const Columns& columns, const Stopwatch& watc
   // Parts of a keyframe take different times: what counts is that all of it takes not too many
   // frames, by what the last one took. Of one that takes more, each frame makes its share.
   const double whole_ms = measured_ ? ms_per_column_ * maker_.camera().width : 0;
-  const double wanted_ms = std::max(ms_a_frame(), whole_ms / kMostInterval);
+  const double wanted_ms = std::max(ms_a_frame(), whole_ms / most_frames());
   // To start takes as long as several parts.
-  const int least = made_frames_ == 0 ? 0 : made_frames_ < kMostInterval ? 1 : columns.least;
+  const int least = made_frames_ == 0 ? 0 : made_frames_ < most_frames() ? 1 : columns.least;
   ++made_frames_;
   double last_ms = 0;
   while (maker_.busy() && done() < columns.most) {
@@ -385,7 +388,7 @@ Result<> KeyframeProducer::work(double holes_ms) {
   const double ms = watch.ms();
   done_.ms += ms;
   note_cost(ms, *made);
-  if (!maker_.busy()) complete_ = true, ++done_.completed;
+  if (!maker_.busy()) complete_ = true, hurries_ = false, ++done_.completed;
   return Done{};
 }
 

@@ -70,6 +70,8 @@ class KeyframeProducer {
   void take_memory();
   // How many frames the next one is expected to take.
   [[nodiscard]] double frames_for_one() const { return columns_a_frame().frames; }
+  // The next one takes half as many frames as others, since there is one alone until then.
+  void hurry() { hurries_ = true; }
   // Those that a frame of this eye would be warped from: no frame begins.
   [[nodiscard]] std::span<const WarpedKeyframe> choose_for(const Camera& eye);
   // Ends a frame of which holes took `holes_ms`: makes a part of a keyframe. Fails where the source
@@ -120,6 +122,7 @@ class KeyframeProducer {
   };
   [[nodiscard]] Columns columns_a_frame() const;
   [[nodiscard]] double ms_a_frame() const;
+  [[nodiscard]] int most_frames() const;
   Result<int> step(const Columns& columns, const Stopwatch& watch);
   void note_cost(double ms, int columns);
 
@@ -141,6 +144,7 @@ class KeyframeProducer {
   double made_ms_ = 0;   // of the keyframe that is being made
   int made_columns_ = 0, made_frames_ = 0;
   bool measured_ = false;  // was one completed?
+  bool hurries_ = false;   // with the one that is made, or the next one
   KeyframeWork done_;
 
   // Beside the frames: while in_flight_ only the other thread uses maker_ and failed_.

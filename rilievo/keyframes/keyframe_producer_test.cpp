@@ -265,6 +265,33 @@ TEST(KeyframeProducer, AKeyframeTakesAFewFramesHoweverLittleTimeThereIs) {
   EXPECT_GE(count_completed(4, 140), 2);
 }
 
+// And what is alone is alone for half as many.
+TEST(KeyframeProducer, InAHurryTheNextKeyframeTakesHalfAsManyFrames) {
+  int took[2] = {};
+  for (const bool hurries : {false, true}) {
+    ProducerStage stage;
+    // In bands: parts go by the clock.
+    KeyframeProducer producer(stage.source, stage.source,
+                              {.samples = 1, .interval = 4, .keyframe_ms = 1e-6});
+    const auto eye = [](int i) {
+      const glm::dvec3 at(0.01 * i, 1.7, 12);
+      return look_at(at, at + glm::dvec3(0, 0, -1), {0, 1, 0}, 0.3, 800, 40, 0.1, 200);
+    };
+    (void)producer.follow(eye(0), 0);
+    ASSERT_TRUE(producer.make_for(eye(0)));
+    if (hurries) producer.hurry();
+    int& frames = took[hurries ? 1 : 0];
+    for (; !producer.has_two() && frames < 100; ++frames) {
+      (void)producer.follow(eye(frames + 1), 0);
+      ASSERT_TRUE(producer.work());
+    }
+    ASSERT_TRUE(producer.has_two());
+  }
+  // The first frame does not know how fast the eye is, and the last one takes what the one before
+  // completed.
+  EXPECT_NEAR(took[1] - 2, (took[0] - 2) / 2.0, 1);
+}
+
 // A source that takes until it is told to go on.
 class PatientSource final : public CaptureSource {
  public:

@@ -121,8 +121,9 @@ void AutoFrames::look(const Camera& camera) {
   if (decision_->draws() != kLevels && load.level_triangles > kLevelsMayPay * load.triangles)
     outlook_[kLevels].ready = outlook_[kLevels].preparable = false;
   if (keyframes_) {
-    keyframes.ready = preparing_ != kKeyframes && frame_ - keyframes_seen_ <= kKeyframesLast &&
-                      keyframes_->prepared();
+    const bool recent = preparing_ != kKeyframes && frame_ - keyframes_seen_ <= kKeyframesLast;
+    first_alone_ = first_alone_ && recent && !eye_.jumped() && !keyframes_->prepared();
+    keyframes.ready = recent && (first_alone_ || keyframes_->prepared());
     keyframes.preparable = !keyframes.ready && frame_ >= keyframes_again_;
     keyframes.prepare_ms = kOfFrames * kFirstKeyframes * kKeyframeMs;
   }

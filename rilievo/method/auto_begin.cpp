@@ -146,15 +146,16 @@ Result<> AutoFrames::begin_keyframes_ahead(double time) {
   Loss& loss = loss_[kKeyframes];
   bool may_be_as_cache = false;
   if (!eye_.jumped()) {
-    const Result<BegunKeyframes> begun =
-        begin_keyframes(eye_, time, kMostTimes * options_.loss_db, *keyframes_);
+    const AloneLoss may_lose{kMostTimes * options_.loss_db, kCertainly * options_.loss_db};
+    const Result<BegunKeyframes> begun = begin_keyframes(eye_, time, may_lose, *keyframes_);
     if (!begun) {
       give_keyframes_up();
       return Done{};
     }
     loss = {.db = begun->loss_db, .seen_in = frame_};
+    first_alone_ = begun->alone;
     keyframes_seen_ = frame_;
-    may_be_as_cache = loss.db && *loss.db <= kMostTimes * options_.loss_db;
+    may_be_as_cache = begun->begun && loss.db && *loss.db <= kMostTimes * options_.loss_db;
     if (may_be_as_cache && !good_enough(kKeyframes)) {
       const Result<std::optional<double>> cache = loss_of_cache_soon(time);
       if (!cache) return cache.error();

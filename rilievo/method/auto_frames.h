@@ -167,6 +167,7 @@ class AutoFrames final : public FrameSource {
   std::atomic<bool> prepared_{false};
   Prepared made_;
   bool begins_with_keyframes_ = false;  // until the frame after begun_in_
+  bool first_alone_ = false;            // keyframes draw from the first one until there are two
   int begun_in_ = 0;
   bool begun_drawn_ = false;     // direct drawing drew the first frame, to find out
   bool begun_by_cache_ = false;  // ... by the cache, which captured nothing

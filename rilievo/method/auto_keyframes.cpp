@@ -15,10 +15,10 @@ constexpr int kParts = 3;
 constexpr int kMostFrames = 160;
 // Steps after which those of long ago count for nothing.
 constexpr int kSettles = 48;
-// Places on the way from the first keyframe to the second one: in the middle both are the farthest.
-constexpr double kMiddle = 0.5, kLookedAt[] = {0.25, kMiddle};
-// So many times SampledLoss looks at what the first one shows alone.
-constexpr int kLooksAtFirst = 8;
+// Places on the way from the first keyframe to the second one: in the middle both are the farthest;
+// by then one that is made beside the frames is there. So many times SampledLoss looks at each.
+constexpr double kLookedAt[] = {0.5, 0.25};
+constexpr int kLooks = 8;
 
 }  // namespace
 
@@ -79,25 +79,26 @@ Result<> prepare_keyframes(SharedEye& eye, KeyframeFrames& frames, int goes_on) 
   return Done{};
 }
 
-Result<BegunKeyframes> begin_keyframes(const EyePrediction& eye, double time, double most_db,
-                                       KeyframeFrames& frames) {
+Result<BegunKeyframes> begin_keyframes(const EyePrediction& eye, double time,
+                                       const AloneLoss& may_lose, KeyframeFrames& frames) {
   BegunKeyframes begun;
-  const auto look = [&](double at, int times) -> Result<> {
-    if (Result<> done = frames.look_from(eye.after(at), time); !done) return done;
-    for (int i = 0; i < times; ++i) begun.loss_db = loss_of(frames);
-    return Done{};
-  };
-  frames.forget_loss();
-  if (Result<> done = look(kMiddle * frames.frames_for_one(), kLooksAtFirst); !done)
-    return done.error();
-  if (begun.loss_db && *begun.loss_db > most_db) return begun;
-  const Result<double> ahead = frames.prepare_second(eye, time);
-  if (!ahead) return ahead.error();
-  begun.frames = *ahead;
-  frames.forget_loss();
-  for (const double share : kLookedAt)
-    if (Result<> done = look(share * *ahead, kAuditionLosses / int(std::size(kLookedAt))); !done)
-      return done.error();
+  for (const bool two : {false, true}) {
+    frames.forget_loss();
+    for (const double share : kLookedAt) {
+      const Camera there = eye.after(share * frames.frames_for_one());
+      if (Result<> done = frames.look_from(there, time); !done) return done.error();
+      for (int i = 0; i < kLooks; ++i) begun.loss_db = loss_of(frames);
+      if (!two && begun.loss_db && *begun.loss_db > may_lose.most) return begun;
+    }
+    begun.begun = true;
+    if (two) break;
+    if (begun.loss_db && *begun.loss_db <= may_lose.alone) {
+      frames.hurry();
+      begun.alone = true;
+      break;
+    }
+    if (Result<> made = frames.prepare_second(eye, time); !made) return made.error();
+  }
   return begun;
 }
 

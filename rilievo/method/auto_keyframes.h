@@ -53,15 +53,22 @@ class SharedEye {
 // Keyframes to begin with.
 struct BegunKeyframes {
   std::optional<double> loss_db;  // none: not known
-  double frames = 0;              // until the eye is where the second one is; 0: there is none
+  bool begun = false;             // frames can be drawn: from two, or from the first one `alone`
+  bool alone = false;
+};
+// What the first one may lose alone, dB. With more than `most` a second one, which brings a few dB,
+// would be of no use. With at most `alone` it is made beside the frames, in half as many as others:
+// at once it takes tenths of a second.
+struct AloneLoss {
+  double most = 0, alone = 0;
 };
 
-// Makes the second one at once, after the first one in the frame before, and looks at what is
-// warped from them where the eye will be on its way. Where the first one alone loses more than
-// `most_db` in the middle of that way the second one is not made: it takes tenths of a second, and
-// brings a few dB. Fails where a capture does.
+// Looks at what is warped from the first one, which was made in the frame before, where the eye
+// will be in a while; makes the second one at once if it must, and looks again. Fails where a
+// capture does.
 [[nodiscard]] Result<BegunKeyframes> begin_keyframes(const EyePrediction& eye, double time,
-                                                     double most_db, KeyframeFrames& frames);
+                                                     const AloneLoss& may_lose,
+                                                     KeyframeFrames& frames);
 
 // KeyframeFrames::sample_loss(), without the noise of its own truth.
 [[nodiscard]] std::optional<double> loss_of(KeyframeFrames& frames);

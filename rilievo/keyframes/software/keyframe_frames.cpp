@@ -389,15 +389,16 @@ Result<> KeyframeFrames::prepare_first(const Camera& camera, double time) {
   return made;
 }
 
-Result<double> KeyframeFrames::prepare_second(const EyePrediction& eye, double time) {
+Result<> KeyframeFrames::prepare_second(const EyePrediction& eye, double time) {
   State& s = *state_;
-  const double frames = frames_for_one();
-  if (!s.any_still) return frames;
+  if (!s.any_still) return Done{};
   s.placed.set_time(time);
-  if (Result<> made = s.producer->make_for(eye.after(frames)); !made) return made.error();
+  if (Result<> made = s.producer->make_for(eye.after(frames_for_one())); !made) return made;
   (void)s.producer->take_work();
-  return frames;
+  return Done{};
 }
+
+void KeyframeFrames::hurry() { state_->producer->hurry(); }
 
 double KeyframeFrames::frames_for_one() const { return state_->producer->frames_for_one(); }
 

@@ -85,8 +85,10 @@ class KeyframeFrames final : public FrameSource {
   // Forgets all keyframes, and makes one for this frame at once. Fails where a capture does.
   Result<> prepare_first(const Camera& camera, double time);
   // And the second one, in the next frame, whose eye is `eye`: for as many frames ahead as a
-  // keyframe takes, which are returned. Fails where a capture does.
-  Result<double> prepare_second(const EyePrediction& eye, double time);
+  // keyframe takes. Fails where a capture does.
+  Result<> prepare_second(const EyePrediction& eye, double time);
+  // Draws from one alone meanwhile: the next one takes half as many frames as others.
+  void hurry();
   // How many frames the next one is expected to take.
   [[nodiscard]] double frames_for_one() const;
   // Warps for another eye, for sample_loss() alone. Requires a keyframe. Fails where memory does
