@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "rilievo/capture/bound_thin_texels.h"
+#include "rilievo/capture/least_roughness.h"
 #include "rilievo/core/parallel_for.h"
 #include "rilievo/render/rays/cast_layers.h"
 #include "rilievo/render/rays/cast_picture.h"
@@ -67,8 +68,9 @@ Result<LayeredDepthImage> RaySource::capture_layers(const LayersRequest& request
   if (Result<> valid = validate(request.camera); !valid) return valid.error();
   if (request.camera.projection == Projection::back_perspective)
     return Error{std::string(name()), "layers need a perspective or a parallel camera"};
-  LayeredDepthImage layers =
-      cast_layers(rays_, request.camera, {request.merge, request.max_layers, request.objects});
+  LayeredDepthImage layers = cast_layers(
+      rays_, request.camera,
+      {request.merge, request.max_layers, request.objects, least_roughness(request.camera)});
   layers.name = name();
   return layers;
 }

@@ -19,7 +19,8 @@ struct Pass {
 
 class Peeler {
  public:
-  explicit Peeler(const Camera& camera) : camera_(camera) {
+  Peeler(const Camera& camera, float least_roughness)
+      : camera_(camera), least_roughness_(least_roughness) {
     const int w = camera.width, h = camera.height;
     for (gl::Texture& depth : depths_) depth = gl::make_texture_2d(GL_DEPTH_COMPONENT32F, w, h);
     color_ = gl::make_texture_2d(GL_RGBA16F, w, h);
@@ -62,7 +63,7 @@ class Peeler {
     read(objects_framebuffer_, GL_RED_INTEGER, GL_UNSIGNED_INT, pass_.object.data());
     bind(color_framebuffer_);
     glClearNamedFramebufferfv(color_framebuffer_, GL_COLOR, 0, transparent);
-    renderer.draw_at_depth(camera_, objects);
+    renderer.draw_at_depth(camera_, objects, least_roughness_);
     read(color_framebuffer_, GL_RGBA, GL_FLOAT, pass_.color.data());
     return &pass_;
   }
@@ -81,6 +82,7 @@ class Peeler {
   }
 
   Camera camera_;
+  float least_roughness_;
   gl::Texture depths_[2], color_, object_;
   gl::Framebuffer objects_framebuffer_, color_framebuffer_;
   int last_ = 0;  // which depths hold the last pass
@@ -94,7 +96,7 @@ Result<LayeredDepthImage> capture_layers(SceneRenderer& renderer, const Camera& 
                                          const PeelOptions& options) {
   if (Result<> ok = validate(camera); !ok) return ok.error();
   RILIEVO_EXPECTS(!camera.keeps_farthest());
-  Peeler peeler(camera);
+  Peeler peeler(camera, options.least_roughness);
   if (!peeler.complete())
     return Error{"capture", "the driver refuses a float framebuffer of this size"};
   const int w = camera.width, h = camera.height;

@@ -17,7 +17,8 @@ namespace rilievo {
 struct PeelOptions {
   // Surfaces within this distance along a line of sight become one, the nearest. Metres of eye_z.
   double merge = 0;
-  int max_layers = 256;  // the largest number of samples on one line of sight
+  int max_layers = 256;       // the largest number of samples on one line of sight
+  float least_roughness = 0;  // smoother surfaces are shaded as if they were so rough
 };
 
 // Captures `objects` (indices into Scene::objects; opaque and masked parts) at the renderer's time.

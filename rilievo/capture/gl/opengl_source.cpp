@@ -6,6 +6,7 @@
 #include "rilievo/capture/bound_thin_texels.h"
 #include "rilievo/capture/gl/capture_layers.h"
 #include "rilievo/capture/gl/capture_picture.h"
+#include "rilievo/capture/least_roughness.h"
 
 namespace rilievo {
 
@@ -31,8 +32,9 @@ Result<CapturedPicture> OpenGLSource::capture(const CaptureRequest& request) {
 Result<LayeredDepthImage> OpenGLSource::capture_layers(const LayersRequest& request) {
   std::vector<std::uint32_t> objects(request.objects.begin(), request.objects.end());
   if (objects.empty()) renderer_.cull(request.camera, objects);
-  return rilievo::capture_layers(renderer_, request.camera, objects,
-                                 {request.merge, request.max_layers});
+  return rilievo::capture_layers(
+      renderer_, request.camera, objects,
+      {request.merge, request.max_layers, least_roughness(request.camera)});
 }
 
 }  // namespace rilievo

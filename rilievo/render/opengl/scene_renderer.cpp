@@ -61,6 +61,7 @@ struct SceneRenderer::State {
   PlacedScene placed;
 
   DrawList list;
+  float least_roughness = 0;  // of draw_at_depth()
   std::vector<GpuInstance> staging;
   std::vector<glm::vec2> shares;  // by object, while shares are drawn; else empty
   std::vector<std::uint32_t> shared_objects, shared_in;  // shared_in: by object, the last pass
@@ -193,9 +194,11 @@ void SceneRenderer::State::draw_list(const Camera& camera, unsigned extra_featur
         for (GLuint unit = 0; unit < kMaterialUnits; ++unit)
           glBindTextureUnit(unit, gpu.textures[std::size_t(material.textures[unit])]);
       // Not there in programs that shade nothing.
-      if (peel)
+      if (peel) {
         glUniform1i(glGetUniformLocation(bound_program, "double_sided"),
                     material.double_sided || mesh.features != 0);
+        glUniform1f(glGetUniformLocation(bound_program, "least_roughness"), least_roughness);
+      }
       if (material.double_sided || mesh.features != 0 || farthest || peel)
         glDisable(GL_CULL_FACE);
       else
@@ -345,12 +348,14 @@ void SceneRenderer::draw_objects_behind(const Camera& camera,
   s.draw_list(camera, shader::kObjectIds | shader::kPeel);
 }
 
-void SceneRenderer::draw_at_depth(const Camera& camera, std::span<const std::uint32_t> objects) {
+void SceneRenderer::draw_at_depth(const Camera& camera, std::span<const std::uint32_t> objects,
+                                  float least_roughness) {
   State& s = *state_;
   s.list.build_front_to_back(*s.scene, camera, objects, s.placed.poses(), s.placed.bounds(),
                              s.placed.opaque_meshes());
   glDepthMask(GL_FALSE);
   glDisable(GL_BLEND);
+  s.least_roughness = least_roughness;
   s.draw_list(camera, shader::kLinear | shader::kPeel);
   glDepthMask(GL_TRUE);
 }

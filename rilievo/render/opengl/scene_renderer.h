@@ -79,8 +79,10 @@ class SceneRenderer {
   void draw_objects_behind(const Camera& camera, std::span<const std::uint32_t> objects,
                            unsigned peeled_depth);
   // Second step: draws the linear colours of these surfaces over their own depths. The back of a
-  // single-sided surface looks like its front.
-  void draw_at_depth(const Camera& camera, std::span<const std::uint32_t> objects);
+  // single-sided surface looks like its front. Smoother surfaces are shaded as if they were as
+  // rough as `least_roughness`.
+  void draw_at_depth(const Camera& camera, std::span<const std::uint32_t> objects,
+                     float least_roughness = 0);
   // Draws a sky where nothing has been drawn yet: the scene's, or another.
   void draw_sky(const Sky& sky, const Camera& camera, OutputEncoding encoding);
   void draw_sky(const Camera& camera, OutputEncoding encoding);

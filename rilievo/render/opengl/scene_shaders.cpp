@@ -161,6 +161,7 @@ vec4 textured(sampler2D t, int unit) {
 #ifdef PEEL
 layout(binding = 7) uniform sampler2D peeled_depth;
 uniform bool double_sided;
+uniform float least_roughness;
 #endif
 #ifdef OBJECT_IDS
 flat in uint v_object;
@@ -270,6 +271,9 @@ vec3 shade(vec3 base, vec3 n, vec3 v) {
                (textured(occlusion_texture, 3).r - 1.0);
 #endif
   roughness = clamp(roughness, 0.045, 1.0);
+#ifdef PEEL
+  roughness = max(roughness, least_roughness);
+#endif
 #ifdef METALLIC
   float metallic = material.metallic_roughness_occlusion_cutoff.x;
 #ifdef TEXTURES

@@ -11,7 +11,7 @@ namespace rilievo {
 
 LayeredDepthImage cast_layers(const RayScene& rays, const Camera& camera,
                               const CastLayersOptions& options) {
-  const HitShader shader(rays, camera);
+  const HitShader shader(rays, camera, options.least_roughness);
   return cast_layers(rays, camera, options, [&shader](const RayHit& hit, int x, int y) {
     return std::optional(shader.shade(hit, x, y));
   });

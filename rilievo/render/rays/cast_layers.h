@@ -23,6 +23,8 @@ struct CastLayersOptions {
   // The largest number of samples on a ray.
   int max_layers = 256;
   std::span<const std::uint32_t> objects = {};  // indices into Scene::objects; empty: all
+  // Smoother surfaces are shaded as if they were so rough.
+  float least_roughness = 0;
 };
 
 // Casts a picture. Requires a valid parallel or perspective camera.

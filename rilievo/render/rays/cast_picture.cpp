@@ -321,10 +321,11 @@ float farthest_eye_z(const RayScene& rays, const Camera& camera, const glm::dvec
   return of_strokes < kNoDepth ? std::max(eye_z, of_strokes) : eye_z;
 }
 
-HitShader::HitShader(const RayScene& scene, const Camera& camera)
+HitShader::HitShader(const RayScene& scene, const Camera& camera, float least_roughness)
     : scene_(scene),
       rays_(picture_rays(camera)),
       height_(camera.height),
+      least_roughness_(least_roughness),
       lights_(surface_lights(scene.scene(), camera.position(), storage_)) {}
 
 glm::vec4 HitShader::shade(const RayHit& hit, int x, int y) const {
@@ -332,6 +333,7 @@ glm::vec4 HitShader::shade(const RayHit& hit, int x, int y) const {
   // As BandShader has it, for the same bytes.
   const glm::vec3 ray = rays_.first + float(x) * rays_.per_x + float(height_ - 1 - y) * rays_.per_y;
   model::SurfacePoint<float> point = surface_of_hit(scene_, hit, rays_, ray, lights_.eye);
+  point.roughness = std::max(point.roughness, least_roughness_);
   const glm::vec3 view(point.view.x, point.view.y, point.view.z);
   if (!surface_material(scene_, hit).double_sided && glm::dot(hit.normal, view) < 0) {
     point.normal = -1.0f * point.normal;

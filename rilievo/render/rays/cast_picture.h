@@ -76,8 +76,8 @@ class PictureCaster {
 // Shades hits of single rays as cast_picture does. Any thread.
 class HitShader {
  public:
-  // `scene` must outlive the object.
-  HitShader(const RayScene& scene, const Camera& camera);
+  // `scene` must outlive the object. `least_roughness`: as CastLayersOptions has it.
+  HitShader(const RayScene& scene, const Camera& camera, float least_roughness = 0);
   HitShader(const HitShader&) = delete;  // its lights lie in itself
   HitShader& operator=(const HitShader&) = delete;
   // The linear, opaque colour of a hit of the ray through the centre of texel (x, y), y from the
@@ -88,6 +88,7 @@ class HitShader {
   const RayScene& scene_;
   PictureRays rays_;
   int height_;
+  float least_roughness_;
   std::vector<Light> storage_;
   SurfaceLights lights_;
 };
