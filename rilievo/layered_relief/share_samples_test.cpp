@@ -433,6 +433,58 @@ TEST(ShareSamples, samples_of_several_pictures_side_by_side_have_one_colour) {
   EXPECT_LT(differ / count, 0.06);
 }
 
+// A sheet between two pictures that look at it from above and from below, and one that looks along
+// it: green above, blue below. The first two see one side each. Of the third half of the viewers
+// see each side: between samples of both there is no step, and the mean is half of either.
+TEST(ShareSamples, a_sheet_is_not_peppered_with_its_other_side) {
+  ReliefPictures pictures;
+  constexpr int kSize = 48;
+  for (const glm::dvec3& direction : {glm::dvec3(0, 0, 1), glm::dvec3(0, 0, -1), {1, 0, 0}}) {
+    const Result<Camera> camera = relief_camera({glm::vec3(-1), glm::vec3(1)}, direction, kSize);
+    ASSERT_TRUE(camera);
+    LayeredDepthImage layers;
+    layers.camera = *camera;
+    layers.first = {0};
+    for (int y = 0; y < kSize; ++y)
+      for (int x = 0; x < kSize; ++x) {
+        const CameraRay ray = camera_ray(*camera, {x + 0.5, y + 0.5});
+        // The plane z = 0.3 x, within the unit ball: the third picture sees it at 17 degrees.
+        const glm::dvec3 normal = glm::normalize(glm::dvec3(-0.3, 0, 1));
+        const double t = -glm::dot(ray.origin, normal) / glm::dot(ray.direction, normal);
+        const glm::dvec3 at = ray.origin + t * ray.direction;
+        if (glm::dot(at, at) < 1) {
+          LayerSample sample;
+          const bool above = glm::dot(ray.direction, normal) < 0;
+          sample.color = {0, above, !above, 1};
+          sample.depth = sample.back = float(ray.eye_z_start + t * ray.eye_z_step);
+          sample.object = 1;
+          layers.samples.push_back(sample);
+        }
+        layers.first.push_back(layers.samples.size());
+      }
+    pictures.pictures.push_back({std::move(layers), 0, 0, 0});
+  }
+  share_samples(pictures, 0.75);
+  const auto green = [&](std::size_t k) {
+    double sum = 0, squares = 0;
+    const std::vector<LayerSample>& samples = pictures.pictures[k].layers.samples;
+    for (const LayerSample& sample : samples)
+      sum += double(sample.color.g), squares += double(sample.color.g * sample.color.g);
+    const double mean = sum / double(samples.size());
+    return glm::dvec2(mean,
+                      std::sqrt(std::max(0.0, squares / double(samples.size()) - mean * mean)));
+  };
+  // 45 degrees off the sheet's plane all viewers see one side.
+  EXPECT_DOUBLE_EQ(green(0).x, 1);
+  EXPECT_DOUBLE_EQ(green(1).x, 0);
+  // At 17 degrees a share of (1 + tan(17 degrees)) / 2 of the viewers sees the side below.
+  EXPECT_GT(pictures.pictures[2].layers.samples.size(), 1000u);
+  EXPECT_NEAR(green(2).x, 0.35, 0.03);
+  // Colours as they were seen deviate by 0.48 from their mean. At the sheet's rim some samples have
+  // none of the other side within reach.
+  EXPECT_LT(green(2).y, 0.12);
+}
+
 TEST(SampleSides, bodies_are_closed_and_sheets_are_not) {
   const ReliefPictures ball = two_sided_ball(32);
   std::vector<const LayeredDepthImage*> all;
