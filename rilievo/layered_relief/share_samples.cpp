@@ -301,6 +301,9 @@ void mix_sources(const LayeredDepthImage& layers, const std::vector<Known>& know
                  std::vector<LayerSample>& out) {
   const double texel = largest_texel(layers.camera);
   const glm::vec3 forward(layers.camera.forward());
+  std::vector<float> depths;  // close together, to be searched
+  depths.reserve(known.size());
+  for (const Known& k : known) depths.push_back(k.sample.depth);
   Opinions opinions, others;
   for (std::size_t line = 0; line + 1 < layers.first.size(); ++line)
     for (std::uint64_t s = layers.first[line]; s < layers.first[line + 1]; ++s) {
@@ -309,17 +312,17 @@ void mix_sources(const LayeredDepthImage& layers, const std::vector<Known>& know
       const double reach = (of.sheet ? kOneSheet : kOneSurface) * texel;
       const float along = float(reach * per_metre);
       each_line_around(layers.camera, line, reach, [&](std::size_t beside, double aside) {
-        const auto begin = known.begin() + std::ptrdiff_t(layers.first[beside]),
-                   end = known.begin() + std::ptrdiff_t(layers.first[beside + 1]);
-        auto k = std::lower_bound(
-            begin, end, of.sample.depth - along,
-            [](const Known& other, float depth) { return other.sample.depth < depth; });
-        for (; k != end && k->sample.depth <= of.sample.depth + along; ++k) {
-          const bool same = same_side(of, *k);
-          if (!same && !other_side(of, *k)) continue;
-          const double deeper = double(k->sample.depth - of.sample.depth) / per_metre;
+        const auto begin = depths.begin() + std::ptrdiff_t(layers.first[beside]),
+                   end = depths.begin() + std::ptrdiff_t(layers.first[beside + 1]);
+        auto at = std::lower_bound(begin, end, of.sample.depth - along);
+        for (; at != end && *at <= of.sample.depth + along; ++at) {
+          const double deeper = double(*at - of.sample.depth) / per_metre;
           if (aside + deeper * deeper > reach * reach) continue;
-          (same ? opinions : others).add(*k);
+          const Known& other = known[std::size_t(at - depths.begin())];
+          if (same_side(of, other))
+            opinions.add(other);
+          else if (other_side(of, other))
+            others.add(other);
         }
       });
       glm::vec3 color(out[s].color);
