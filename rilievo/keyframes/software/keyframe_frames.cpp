@@ -18,6 +18,7 @@
 #include "rilievo/keyframes/keyframe_bound.h"
 #include "rilievo/keyframes/software/keyframe_tiles.h"
 #include "rilievo/keyframes/software/sampled_loss.h"
+#include "rilievo/keyframes/software/torn_blocks.h"
 #include "rilievo/keyframes/software/unshown_objects.h"
 #include "rilievo/render/raster/blended_tiles.h"
 #include "rilievo/render/raster/frame_raster.h"
@@ -71,6 +72,7 @@ struct KeyframeFrames::State {
   std::vector<bool> moves, polygon;  // by object
   std::optional<NearObjects> near;
   UnshownObjects unshown;
+  TornBlocks torn;
   bool any_still = false, blends = false;
   // Do keyframes show the scene's sky? A source of its own may have another.
   bool scene_sky = false;
@@ -116,6 +118,7 @@ KeyframeFrames::State::State(const Scene& scene, RayScene made_rays,
       moves(scene.objects.size()),
       polygon(scene.objects.size()),
       unshown(placed, rays, options.near.triangles),
+      torn(rays),
       target(1, 1, options.samples),
       sky(scene.sky),
       keyframe_tiles(rays, sky),
@@ -232,7 +235,11 @@ Result<> KeyframeFrames::State::warp_from(std::span<const WarpedKeyframe> keyfra
   warp_keyframes(keyframes, camera, warped, live.empty() ? nullptr : &covers, scene_sky);
   shares.polygons_ms += polygons_ms;
   shares.warp_ms += watch.ms() - polygons_ms;
-  return look_for_unshown();
+  if (Result<> done = look_for_unshown(); !done) return done;
+  const Stopwatch look;
+  (void)torn.look(camera, keyframes, still, warped);
+  shares.polygons_ms += look.ms();
+  return Done{};
 }
 
 // What nobody knew of is placed over what was warped.
