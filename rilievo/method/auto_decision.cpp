@@ -254,12 +254,15 @@ int AutoDecision::plainly_worth_preparing(std::span<const AutoOutlook> outlook) 
   for (const AutoOutlook& one : outlook)
     if (one.ready && one.guess_ms > 0 && (least == 0 || one.guess_ms < least)) least = one.guess_ms;
   int best = -1;
+  double most = 0;
   for (int i = 0; i < int(candidates_.size()); ++i) {
     const AutoOutlook& one = outlook[std::size_t(i)];
     if (!one.preparable || !one.good_enough || one.guess_ms == 0) continue;
     if (one.guess_ms > kPlainlyWorth * least) continue;
     if (one.prepare_ms > kPaysWithin * (least - one.guess_ms)) continue;
-    if (best < 0 || one.guess_ms < outlook[std::size_t(best)].guess_ms) best = i;
+    // What is likely before what takes a little less and is refused as often as not.
+    const double gain = candidates_[std::size_t(i)].chance * (least - one.guess_ms);
+    if (best < 0 || gain > most) best = i, most = gain;
   }
   return best;
 }

@@ -354,6 +354,22 @@ TEST(AutoDecision, what_is_plainly_cheaper_is_prepared_from_the_first_frame_on) 
 }
 
 // It touches memory that no other frame does.
+TEST(AutoDecision, of_what_is_plainly_cheaper_the_likely_is_prepared_first) {
+  const std::vector<AutoCandidate> candidates{{"a", 0, 2}, {"sure", 1}, {"doubtful", 1, 0, 0.5}};
+  // A little less, and much less.
+  for (const double doubtful_ms : {17.0, 2.0}) {
+    AutoDecision decision(candidates, 0);
+    const std::vector<AutoOutlook> outlook{{.ready = true, .guess_ms = 70},
+                                           {.preparable = true, .guess_ms = 20},
+                                           {.preparable = true, .guess_ms = doubtful_ms}};
+    EXPECT_EQ(decision.next(outlook).prepares, 1) << doubtful_ms;
+    const std::vector<AutoOutlook> dear{{.ready = true, .guess_ms = 70},
+                                        {.preparable = true, .guess_ms = 60},
+                                        {.preparable = true, .guess_ms = doubtful_ms}};
+    EXPECT_EQ(AutoDecision(candidates, 0).next(dear).prepares, 2) << doubtful_ms;
+  }
+}
+
 TEST(AutoDecision, the_first_frame_of_a_method_is_forgotten_with_the_second_one) {
   const AutoCandidate candidates[] = {{"direct", 0}, {"lod", 2}};
   AutoDecision decision(candidates, 0);
