@@ -13,9 +13,9 @@ namespace {
 constexpr int kUnit = BlendedTriangle::kUnit;
 
 // Triangles are cut where they reach farther to the sides, in pixels. Coordinates are then below
-// 2^28 kUnit, the largest frame's height of 2^22 included, and differences below 2^29. An area is
-// the difference of two products of differences, an edge function at a sample the sum of two
-// products of a difference and a coordinate: below 2^59, and 64 bits hold up to 2^63.
+// 2^31 in units, the largest frame's height of 2^22 pixels included, and differences below 2^29. An
+// area is the difference of two products of differences, an edge function the sum of two products
+// of a difference and a coordinate: below 2^61, and 64 bits hold up to 2^63.
 constexpr double kReach = 1e6;
 
 // To the nearest, without a call.

@@ -82,6 +82,11 @@ TEST(BlendedTriangle, knows_blocks_beside_it_and_how_near_it_comes) {
       for (int bx = 0; bx < kWidth; bx += FrameTile::kBlock) {
         const PixelRange range{bx, by, bx + FrameTile::kBlock, by + FrameTile::kBlock};
         const float nearest = nearest_in(t, range);
+        float most = -HUGE_VALF;
+        for (const int i : {0, 1, 2, 3})
+          most = std::max(most, float(t.inverse_z + (i % 2 ? range.x1 : range.x0) * t.per_x +
+                                      (i / 2 ? range.y1 : range.y0) * t.per_y));
+        ASSERT_LE(nearest, most + 1e-5f * std::abs(most));
         bool any = false;
         for (int y = range.y0; y < range.y1; ++y)
           for (int x = range.x0; x < range.x1; ++x)

@@ -104,7 +104,9 @@ struct RowSpan {
       side[k] = along_y > 0 ? -1.0f : along_y < 0 ? 1.0f : 0.0f;
       x_per_y[k] = along_y != 0 ? along_x / along_y : 0;
       // Ten times what single precision rounds.
-      slack[k] = 1 + 1e-6f * (std::abs(x[k]) + std::abs(x_per_y[k]) * (std::abs(y[k]) + rows));
+      slack[k] = 1 + 1e-6f * (std::max(std::abs(x[k]), std::abs(corner_x[next])) +
+                              std::abs(x_per_y[k]) *
+                                  (std::max(std::abs(y[k]), std::abs(corner_y[next])) + rows));
     }
   }
 

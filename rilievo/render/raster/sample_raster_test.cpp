@@ -199,6 +199,42 @@ TEST(SampleRaster, leaves_no_gap_between_neighbours_and_takes_no_sample_twice) {
   }
 }
 
+// An edge of two triangles that reaches up to 10^7 texels beyond the picture: single precision has
+// no more.
+TEST(SampleRaster, leaves_no_gap_along_an_edge_however_far_it_reaches) {
+  std::mt19937 rng(9);
+  std::uniform_real_distribution<float> u(-1, 1);
+  constexpr int kSize = 80, kSamples = 4;
+  for (int round = 0; round < sanitized_cases(400); ++round) {
+    const float angle = 4 * u(rng), far = std::pow(10.0f, 5 + 2 * u(rng));
+    const glm::vec2 along(std::cos(angle), std::sin(angle)), across(-along.y, along.x);
+    const glm::vec2 middle = 0.5f * float(kSize) + 35.0f * glm::vec2(u(rng), u(rng));
+    const glm::vec2 places[] = {middle - 400.0f * along, middle + far * along,
+                                middle + 1000 * far * across, middle - 1000 * far * across};
+    Soup soup;
+    for (const glm::vec2& p : places) soup.positions.emplace_back(p, 0);
+    soup.indices = round % 2 ? std::vector<std::uint32_t>{0, 1, 2, 1, 0, 3}
+                             : std::vector<std::uint32_t>{1, 2, 0, 0, 3, 1};
+    look(soup, kSize, kSize, 0);
+    soup.instance.row_x = {1, 0, 0, 0}, soup.instance.row_y = {0, 1, 0, 0};
+    soup.instance.row_w = {0, 0, 0, 1}, soup.instance.row_z = {0, 0, 0, 0.5f};
+    soup.instance.front = soup.instance.back = true;
+    std::vector<int> times(kSize * kSize * kSamples);
+    SampleRaster raster;
+    for (std::uint32_t t = 0; t < 2; ++t) {
+      RasterInstance one = soup.instance;
+      one.indices += 3 * t;
+      one.triangles = 1;
+      raster.begin(kSize, kSize, kSamples);
+      raster.draw({&one, 1});
+      for (int y = 0; y < kSize; ++y)
+        for (int i = 0; i < kSize * kSamples; ++i)
+          times[std::size_t(y * kSize * kSamples + i)] += raster.seen().depths(y)[i] < 1;
+    }
+    for (const int t : times) ASSERT_EQ(t, 1) << "round " << round << ", " << far << " texels";
+  }
+}
+
 // The depth and the triangle of each sample; the triangle of one that shows none is kNothing.
 std::vector<std::uint32_t> bytes_of(const SampleBuffer& seen) {
   std::vector<std::uint32_t> bytes;
