@@ -120,6 +120,7 @@ void KeyframeProducer::add_spare() {
 }
 
 void KeyframeProducer::take_memory() {
+  RILIEVO_EXPECTS(!options_.beside);
   while (ready_.size() + spare_.size() + (maker_.busy() || complete_ ? 1 : 0) < kKept + kSpare)
     add_spare();
 }
@@ -232,6 +233,7 @@ Result<> KeyframeProducer::make_whole(const Camera& eye, bool stands) {
   while (maker_.busy())
     if (Result<> made = maker_.step(source_, columns); !made) return made.error();
   add(maker_.take());
+  hurries_ = false;
   while (options_.keyframe_ms > 0 && spare_.size() < kSpare) add_spare();
   ++done_.completed;
   return Done{};

@@ -66,11 +66,13 @@ class KeyframeProducer {
   // Makes one for this eye now, with the last frame's window. Fails where the source does. Not
   // beside the frames.
   Result<> make_for(const Camera& eye);
-  // Takes the memory of those to come now, so that no frame that begins one touches new pages.
+  // Takes the memory of those to come now, so that no frame that begins one touches new pages. Not
+  // beside the frames.
   void take_memory();
   // How many frames the next one is expected to take.
   [[nodiscard]] double frames_for_one() const { return columns_a_frame().frames; }
-  // The next one takes half as many frames as others, since there is one alone until then.
+  // The next one takes at most half as many frames as others may, since there is one alone until
+  // then. Without a limit of time it takes as many as ever.
   void hurry() { hurries_ = true; }
   // Those that a frame of this eye would be warped from: no frame begins.
   [[nodiscard]] std::span<const WarpedKeyframe> choose_for(const Camera& eye);

@@ -372,7 +372,7 @@ Result<> KeyframeFrames::prepare(const Camera& camera, double time, bool anew) {
   (void)s.producer->follow(camera, time);
   Result<> done = s.producer->work();
   (void)s.producer->take_work();
-  if (s.producer->has_two()) s.producer->take_memory();
+  if (!s.options.keyframes.beside && s.producer->has_two()) s.producer->take_memory();
   return done;
 }
 

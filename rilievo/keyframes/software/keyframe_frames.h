@@ -87,7 +87,7 @@ class KeyframeFrames final : public FrameSource {
   // And the second one, in the next frame, whose eye is `eye`: for as many frames ahead as a
   // keyframe takes. Fails where a capture does.
   Result<> prepare_second(const EyePrediction& eye, double time);
-  // Draws from one alone meanwhile: the next one takes half as many frames as others.
+  // Draws from one alone meanwhile: the next one takes at most half as many frames as others may.
   void hurry();
   // How many frames the next one is expected to take.
   [[nodiscard]] double frames_for_one() const;

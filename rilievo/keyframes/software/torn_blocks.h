@@ -32,7 +32,7 @@ class TornBlocks {
   static constexpr int kRemembered = 8;
   // At most so large a share of a frame is made holes: a frame that takes longer for more of them
   // comes later, and has more still.
-  static constexpr double kMostTorn = 0.015;
+  static constexpr double kMostTorn = 0.01;
 
   // `rays` must outlive the object.
   explicit TornBlocks(const RayScene& rays, double most_torn = kMostTorn)

@@ -118,7 +118,8 @@ TEST(TornBlocks, are_those_that_show_what_is_behind_a_part_that_no_keyframe_sees
   EXPECT_EQ(in_vain, 0) << holes;
 }
 
-TEST(TornBlocks, are_none_where_the_eye_is_a_keyframes) {
+// Silhouettes lie a little beside their place there, and nothing is hidden.
+TEST(TornBlocks, are_none_close_to_a_keyframes_eye) {
   Random random(3);
   const Scene scene = posts_and_parts(random);
   const Result<RayScene> rays = RayScene::create(scene);
@@ -126,12 +127,14 @@ TEST(TornBlocks, are_none_where_the_eye_is_a_keyframes) {
   RaySource source(*rays);
   const Keyframe key = keyframe_at(source, {0, 0, 0});
   const WarpedKeyframe warped_key{&key};
-  WarpedFrame warped;
-  warp_keyframes({&warped_key, 1}, eye_at({0, 0, 0}), warped);
   const std::uint32_t objects[] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10};
   TornBlocks blocks(*rays);
-  for (int i = 0; i < 10; ++i)
-    EXPECT_EQ(blocks.look(eye_at({0, 0, 0}), {&warped_key, 1}, objects, warped), 0u);
+  for (int i = 0; i < 40; ++i) {
+    const Camera frame = eye_at({0.02, 0.001 * i, 0});
+    WarpedFrame warped;
+    warp_keyframes({&warped_key, 1}, frame, warped);
+    EXPECT_EQ(blocks.look(frame, {&warped_key, 1}, objects, warped), 0u);
+  }
 }
 
 }  // namespace
