@@ -5,7 +5,8 @@
 // direction sees it is wrong for nearly all of them. The mean over these eyes is a wide and faint
 // highlight, about that of a rougher surface. (Means over directions themselves came out worse
 // where normal maps or grazing reflections are: bench/results/seen.md.) A perspective picture has
-// an eye, which sees it as it is.
+// an eye, which sees it as it is. For sources that shade by the library's own model; ray tracers
+// and programs shade as they do.
 #pragma once
 
 #include "rilievo/core/camera.h"

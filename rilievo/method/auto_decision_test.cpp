@@ -353,7 +353,6 @@ TEST(AutoDecision, what_is_plainly_cheaper_is_prepared_from_the_first_frame_on) 
   EXPECT_GE(first_prepared(42), 12);
 }
 
-// It touches memory that no other frame does.
 TEST(AutoDecision, of_what_is_plainly_cheaper_the_likely_is_prepared_first) {
   const std::vector<AutoCandidate> candidates{{"a", 0, 2}, {"sure", 1}, {"doubtful", 1, 0, 0.5}};
   // A little less, and much less.
@@ -370,6 +369,7 @@ TEST(AutoDecision, of_what_is_plainly_cheaper_the_likely_is_prepared_first) {
   }
 }
 
+// It touches memory that no other frame does.
 TEST(AutoDecision, the_first_frame_of_a_method_is_forgotten_with_the_second_one) {
   const AutoCandidate candidates[] = {{"direct", 0}, {"lod", 2}};
   AutoDecision decision(candidates, 0);

@@ -57,8 +57,8 @@ struct BegunKeyframes {
   bool alone = false;
 };
 // What the first one may lose alone, dB. With more than `most` a second one, which brings a few dB,
-// would be of no use. With at most `alone` it is made beside the frames, in half as many as others:
-// at once it takes tenths of a second.
+// would be of no use. With at most `alone` it is made beside the frames, in at most half as many as
+// others may take: at once it takes tenths of a second.
 struct AloneLoss {
   double most = 0, alone = 0;
 };
