@@ -126,15 +126,11 @@ void TornBlocks::add(std::uint32_t block, int rays) {
 }
 
 void TornBlocks::cast(std::span<const std::uint32_t> objects, const WarpedFrame& warped) {
-  const glm::dvec3 eye = frame_.position();
   parallel_for(std::size_t(0), looks_.size(), [&](std::size_t i) {
     Look& one = looks_[i];
     const std::uint32_t color = warped.color(one.at.x, one.at.y);
     if (color == 0 || color == kCoveredPixel) return;
-    const glm::dvec3 through = world_from_raster(frame_, {one.at.x + 0.5, one.at.y + 0.5}, 1) - eye;
-    const std::optional<RayHit> hit =
-        rays_.first_hit(glm::vec3(eye + frame_.z_near * through), glm::vec3(through), 0,
-                        float(frame_.z_far - frame_.z_near), RaySides::seen);
+    const std::optional<RayHit> hit = hit_at_pixel(rays_, frame_, one.at);
     // What is drawn as polygons, or moves, is shown otherwise.
     if (!hit || !std::ranges::binary_search(objects, hit->object - 1)) return;
     const auto inverse_z = float(1 / (frame_.z_near + double(hit->distance)));

@@ -78,13 +78,8 @@ std::span<const std::uint32_t> UnshownObjects::look(const WarpedFrame& warped) {
   next_ += kRays;
   if (pixels_.empty()) return {};
   hits_.resize(pixels_.size());
-  const glm::dvec3 eye = frame_.position();
   parallel_for(0, int(pixels_.size()), [&](int i) {
-    const FramePixel& pixel = pixels_[std::size_t(i)];
-    const glm::dvec3 through = world_from_raster(frame_, {pixel.x + 0.5, pixel.y + 0.5}, 1) - eye;
-    const std::optional<RayHit> hit =
-        rays_.first_hit(glm::vec3(eye + frame_.z_near * through), glm::vec3(through), 0,
-                        float(frame_.z_far - frame_.z_near), RaySides::seen, still_);
+    const std::optional<RayHit> hit = hit_at_pixel(rays_, frame_, pixels_[std::size_t(i)], still_);
     hits_[std::size_t(i)] = hit ? hit->object : kNoObject;
   });
   const std::size_t before = seen_.size();

@@ -9,6 +9,14 @@
 
 namespace rilievo {
 
+std::optional<RayHit> hit_at_pixel(const RayScene& rays, const Camera& frame,
+                                   const FramePixel& pixel, std::span<const bool> objects) {
+  const glm::dvec3 eye = frame.position();
+  const glm::dvec3 through = world_from_raster(frame, {pixel.x + 0.5, pixel.y + 0.5}, 1) - eye;
+  return rays.first_hit(glm::vec3(eye + frame.z_near * through), glm::vec3(through), 0,
+                        float(frame.z_far - frame.z_near), RaySides::seen, objects);
+}
+
 PixelCaster::PixelCaster(const RayScene& rays)
     : rays_(rays), included_(std::make_unique<bool[]>(rays.scene().objects.size())) {
   RILIEVO_EXPECTS(rays.parts() == RayParts::opaque);

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -21,6 +22,12 @@ namespace rilievo {
 struct FramePixel {
   std::uint16_t x, y;
 };
+
+// What the ray through the middle of a pixel meets within the frame's range of depths, of the
+// objects for which `objects` is true (empty: of all). Its eye_z is z_near and the hit's distance.
+[[nodiscard]] std::optional<RayHit> hit_at_pixel(const RayScene& rays, const Camera& frame,
+                                                 const FramePixel& pixel,
+                                                 std::span<const bool> objects = {});
 
 // Casts rays of single pixels. Keeps its buffers.
 class PixelCaster {
