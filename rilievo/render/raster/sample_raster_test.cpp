@@ -153,6 +153,23 @@ TEST(SampleRaster, finds_the_triangle_that_is_nearest_among_all) {
   });
 }
 
+// How many of its triangles cover each sample of a square picture, each drawn alone.
+std::vector<int> times_covered(const RasterInstance& instance, int size, int samples) {
+  std::vector<int> times(std::size_t(size * size * samples));
+  SampleRaster raster;
+  for (std::uint32_t t = 0; t < instance.triangles; ++t) {
+    RasterInstance one = instance;
+    one.indices += 3 * t;
+    one.triangles = 1;
+    raster.begin(size, size, samples);
+    raster.draw({&one, 1});
+    for (int y = 0; y < size; ++y)
+      for (int i = 0; i < size * samples; ++i)
+        times[std::size_t(y * size * samples + i)] += raster.seen().depths(y)[i] < 1;
+  }
+  return times;
+}
+
 // A crumpled sheet, not folded over, that reaches beyond the picture.
 TEST(SampleRaster, leaves_no_gap_between_neighbours_and_takes_no_sample_twice) {
   std::mt19937 rng(6);
@@ -183,19 +200,8 @@ TEST(SampleRaster, leaves_no_gap_between_neighbours_and_takes_no_sample_twice) {
     soup.instance.row_x = float(size) * glm::vec4(1, 0, 0, 1);
     soup.instance.row_y = float(size) * glm::vec4(0, 1, 0, 1);
     soup.instance.front = soup.instance.back = true;
-    std::vector<int> times(std::size_t(size * size * samples));
-    SampleRaster raster;
-    for (std::uint32_t t = 0; t < soup.instance.triangles; ++t) {
-      RasterInstance one = soup.instance;
-      one.indices += 3 * t;
-      one.triangles = 1;
-      raster.begin(size, size, samples);
-      raster.draw({&one, 1});
-      for (int y = 0; y < size; ++y)
-        for (int i = 0; i < size * samples; ++i)
-          times[std::size_t(y * size * samples + i)] += raster.seen().depths(y)[i] < 1;
-    }
-    for (const int t : times) ASSERT_EQ(t, 1) << "sheet " << round;
+    for (const int t : times_covered(soup.instance, size, samples))
+      ASSERT_EQ(t, 1) << "sheet " << round;
   }
 }
 
@@ -219,19 +225,8 @@ TEST(SampleRaster, leaves_no_gap_along_an_edge_however_far_it_reaches) {
     soup.instance.row_x = {1, 0, 0, 0}, soup.instance.row_y = {0, 1, 0, 0};
     soup.instance.row_w = {0, 0, 0, 1}, soup.instance.row_z = {0, 0, 0, 0.5f};
     soup.instance.front = soup.instance.back = true;
-    std::vector<int> times(kSize * kSize * kSamples);
-    SampleRaster raster;
-    for (std::uint32_t t = 0; t < 2; ++t) {
-      RasterInstance one = soup.instance;
-      one.indices += 3 * t;
-      one.triangles = 1;
-      raster.begin(kSize, kSize, kSamples);
-      raster.draw({&one, 1});
-      for (int y = 0; y < kSize; ++y)
-        for (int i = 0; i < kSize * kSamples; ++i)
-          times[std::size_t(y * kSize * kSamples + i)] += raster.seen().depths(y)[i] < 1;
-    }
-    for (const int t : times) ASSERT_EQ(t, 1) << "round " << round << ", " << far << " texels";
+    for (const int t : times_covered(soup.instance, kSize, kSamples))
+      ASSERT_EQ(t, 1) << "round " << round << ", " << far << " texels";
   }
 }
 
