@@ -1,42 +1,67 @@
 #include "rilievo/keyframes/cheaper_way.h"
 
+#include <algorithm>
+
 namespace rilievo {
 namespace {
 
-// The share of the last frame in the mean.
-constexpr double kNewestFrame = 0.1;
 // The first frames make keyframes at once.
 constexpr int kFirstFrames = 30;
 
-void add_to_mean(double ms, double& mean) {
-  mean = mean == 0 ? ms : mean + (ms - mean) * kNewestFrame;
-}
-
 }  // namespace
+
+double CheaperWay::Recent::median() const {
+  const int count = std::min(count_, kCount);
+  if (count == 0) return 0;
+  std::array<double, kCount> sorted = last_;
+  const auto middle = sorted.begin() + count / 2;
+  std::nth_element(sorted.begin(), middle, sorted.begin() + count);
+  return *middle;
+}
 
 CheaperWay::Way CheaperWay::next() const {
   if (returning_) return Way::both;
   return polygons_ || trying_ ? Way::polygons : Way::keyframes;
 }
 
+void CheaperWay::go_by_polygons() {
+  polygons_ = true, returning_ = looks_ = false, by_polygons_ = 0;
+}
+
 void CheaperWay::add(double ms, double guess_ms, bool ready) {
   if (++frames_ <= kFirstFrames) return;
   if (polygons_) {
     // What making keyframes takes beside is not the polygons'.
-    if (!returning_) add_to_mean(ms, polygons_ms_);
-    if (returning_ && ready) polygons_ = returning_ = false, since_try_ = 0;
-    if (polygons_ && keyframes_ms_ < kCheaper * polygons_ms_) returning_ = true;
+    if (!returning_) polygons_ms_.add(ms);
+    if (returning_ && ready) {
+      polygons_ = returning_ = false, since_try_ = 0;
+      looks_ = true, keyframes_ms_.forget();
+    } else if (++by_polygons_ >= frames_to_return_ ||
+               keyframes_ms_.median() < kCheaper * polygons_ms_.median()) {
+      returning_ = true;
+    }
     return;
   }
   if (trying_) {
     trying_ = false, since_try_ = 0;
-    polygons_ms_ = ms;
-    polygons_ = ms < kCheaper * keyframes_ms_;
+    if (ms >= kCheaper * keyframes_ms_.median()) return;
+    polygons_ms_.forget(), polygons_ms_.add(ms);
+    frames_to_return_ = kFramesToReturn;
+    go_by_polygons();
     return;
   }
-  add_to_mean(ms, keyframes_ms_);
+  keyframes_ms_.add(ms);
+  if (looks_ && keyframes_ms_.count() >= kLook) {
+    looks_ = false;
+    if (polygons_ms_.median() < kCheaper * keyframes_ms_.median()) {
+      frames_to_return_ = std::min(2 * frames_to_return_, kMostToReturn);
+      go_by_polygons();
+      return;
+    }
+  }
   ++since_try_;
-  trying_ = since_try_ >= kFramesToTry && guess_ms > 0 && guess_ms < kMayTry * keyframes_ms_;
+  trying_ =
+      since_try_ >= kFramesToTry && guess_ms > 0 && guess_ms < kMayTry * keyframes_ms_.median();
 }
 
 }  // namespace rilievo
