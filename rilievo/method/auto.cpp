@@ -49,8 +49,15 @@ constexpr double kNewestSlowness = 0.05;
 // And between which it is taken to lie: a frame that shows next to nothing, or
 // triangles behind others, says little.
 constexpr double kFastest = 0.6, kSlowest = 10;
-// The share of a frame in how far off the model of polygons is.
-constexpr double kNewestOff = 0.2;
+// The share of a frame in how far off the model of polygons is, and the most that a trial says.
+constexpr double kNewestOff = 0.2, kMostOffOfTrial = 2;
+// What may have been measured beside other programs, and is not measured again, is forgotten by so
+// much a frame.
+constexpr double kForgotten = 0.005;
+// The machine at its best: by how much it is taken to be slower with each frame that does not say
+// otherwise, and how many say little.
+constexpr double kCalmGrows = 0.002;
+constexpr int kFewCounted = 10;
 // With OpenGL frames overlap: one in so many is waited for, to be timed.
 constexpr int kTimedFrames = 8;
 
@@ -96,8 +103,9 @@ void AutoFrames::look(const Camera& camera) {
                direct_ms = direct_mean_ms > 0 ? direct_mean_ms
                                               : off_[kDirect] * slowness_ * load.direct_ms();
   outlook_[kCache] = {caches_ && !cheap_ && !shared_chooser_->cache_failed(), false, true, 0, 0};
+  outlook_[kCache].prior_ms = kCacheOfDirect * direct_ms;
   if (frame_ > 0 && decision_->mean_ms(kCache) == 0)
-    outlook_[kCache].guess_ms = kCacheOfDirect * direct_ms;
+    outlook_[kCache].guess_ms = outlook_[kCache].prior_ms;
   for (const int method : {int(kRays), int(kLevels), int(kKeyframes)}) {
     AutoOutlook& one = outlook_[std::size_t(method)];
     one = {};
@@ -127,15 +135,22 @@ void AutoFrames::look(const Camera& camera) {
     keyframes.preparable = !keyframes.ready && frame_ >= keyframes_again_;
     keyframes.prepare_ms = kOfFrames * kFirstKeyframes * kKeyframeMs;
   }
-  for (int method = 0; method < kMethods; ++method)
-    outlook_[std::size_t(method)].guess_ms *= off_[method];
+  for (int method = 0; method < kMethods; ++method) {
+    double& off = off_[method];
+    // What one frame took beside the others is believed less and less, until it is tried.
+    if (off > 1 && frames_[method] && decision_->mean_ms(method) == 0)
+      off += (1 - off) * kForgotten;
+    outlook_[std::size_t(method)].guess_ms *= off;
+  }
   // What is being prepared goes on, whatever the frames take meanwhile.
   if (preparing_ >= 0) outlook_[std::size_t(preparing_)].prepare_ms = 0;
 }
 
-// Polygons took that: how far off is their model? Levels are polygons, too.
-void AutoFrames::learn_direct(double ms) {
-  const double off = std::clamp(ms / (slowness_ * load_.direct_ms()), 1 / kMostOff, kMostOff);
+// Polygons took that: how far off is their model? Levels are polygons, too. The few frames of a
+// trial may be beside other programs' work.
+void AutoFrames::learn_direct(double ms, bool trial) {
+  const double most = trial ? std::max(kMostOffOfTrial, off_[kDirect]) : kMostOff,
+               off = std::clamp(ms / (slowness_ * load_.direct_ms()), 1 / kMostOff, most);
   off_[kDirect] += (off - off_[kDirect]) * newest_share(kNewestOff, ++direct_frames_);
   if (!frames_[kLevels]) off_[kLevels] = off_[kDirect];
 }
@@ -341,9 +356,14 @@ Result<> AutoFrames::draw(const Camera& camera, double time) {
     // Captures of large meshes take many times what is counted for them.
     if (active_->stats().captures == 0 || slowness < slowness_)
       slowness_ += (slowness - slowness_) * newest_share(kNewestSlowness, ++counted_frames_);
-    if (choice.draws == kDirect) learn_direct(ms);
+    calm_slowness_ = std::min((1 + kCalmGrows) * calm_slowness_, slowness_);
+    if (counted_frames_ < kFewCounted) calm_slowness_ = slowness_;
+    if (choice.draws == kDirect) learn_direct(ms, choice.reason == AutoReason::trial);
     if (choice.draws == kDirect && counted_ms > kNotCheap * load_.pixels_ms()) cheap_ = false;
   }
+  // What else draws does not say that other programs have ended.
+  if (active_ != frames_[kDirect].get() && slowness_ > calm_slowness_)
+    slowness_ += (calm_slowness_ - slowness_) * kForgotten;
   if (timed) decision_->add(ms, disturbed);
   if (begins)
     if (Result<> begun = begin_keyframes_here(camera, time); !begun) return begun;

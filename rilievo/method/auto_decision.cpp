@@ -52,6 +52,20 @@ constexpr double kMostSlower = 1.25;
 // some frames in a row down by much more.
 constexpr double kMuchForMean = 1.3;
 constexpr int kLeastForMedian = 3;
+// What draws may take so much more for so many frames before anything is concluded.
+constexpr int kUnsettled = 12;
+// The share of a frame in what a method took at its best, where it takes more.
+constexpr double kNewestCalm = 0.02;
+// What took so many times what it plausibly takes, and was measured in fewer frames than these, is
+// not believed for ever.
+constexpr double kContradicts = 1.5;
+constexpr int kSure = 60;
+// A frame of a trial is counted as at most so many frames: more is the work of another program.
+constexpr double kMostOfTrial = 2;
+// So many slow frames in a row after a trial say that it was disturbed; it is repeated after some
+// more, so many times at most.
+constexpr int kSlowAfter = 2, kRepeat = 20, kMostRepeats = 2;
+constexpr double kMuchOfWarmUp = 2;
 // What was measured with kThreads threads (AVX-512, no GPU): direct-raster, direct-rays, keyframes.
 constexpr int kThreads = 2;
 constexpr double kDirectPixelMs = 18e-6, kDirectTriangleMs = 11e-6;
@@ -160,10 +174,23 @@ double AutoDecision::expected(int i, const AutoOutlook& outlook) const {
   return cost.mean_ms * outlook.guess_ms / cost.guess_ms;
 }
 
+// The same; but what was measured beside other work is not believed where that is contradicted.
+double AutoDecision::plausible(int i, const AutoOutlook& outlook) const {
+  const Cost& cost = costs_[std::size_t(i)];
+  const double ms = expected(i, outlook);
+  if (i == draws_ || cost.mean_ms == 0) return ms;
+  const double model = outlook.guess_ms > 0 ? outlook.guess_ms : outlook.prior_ms;
+  double least = ms;
+  if (cost.calm > 0 && cost.calm_of_guess == (outlook.guess_ms > 0))
+    least = std::min(least, cost.calm * (cost.calm_of_guess ? outlook.guess_ms : 1));
+  if (cost.measured < kSure && model > 0) least = std::min(least, model);
+  return kContradicts * least < ms ? least : ms;
+}
+
 // What it takes if it takes little.
 double AutoDecision::hoped(int i, const AutoOutlook& outlook) const {
   const Cost& cost = costs_[std::size_t(i)];
-  const double ms = expected(i, outlook);
+  const double ms = plausible(i, outlook);
   if (ms == 0) return kHopeOfUnknown * costs_[std::size_t(draws_)].mean_ms;
   return ms * (1 - (cost.mean_ms == 0 ? kGuessDoubt : doubt(cost.age)));
 }
@@ -220,7 +247,7 @@ int AutoDecision::worth_trying(std::span<const AutoOutlook> outlook, bool ready)
     const AutoOutlook& one = outlook[std::size_t(i)];
     if (i == draws_ || !(ready ? one.ready : one.preparable) || !one.good_enough) continue;
     if (cost.fails > 0 && cost.age < cost.gap) continue;
-    const double hope = hoped(i, one), likely = std::max(expected(i, one), hope);
+    const double hope = hoped(i, one), likely = std::max(plausible(i, one), hope);
     const AutoCandidate& candidate = candidates_[std::size_t(i)];
     if (!better(hope, i, now, draws_)) continue;
     // A model knows what has changed since; without one the method may have become cheaper.
@@ -231,6 +258,10 @@ int AutoDecision::worth_trying(std::span<const AutoOutlook> outlook, bool ready)
     double expense = std::max(0.0, likely - free_ms()) * frames;
     if (cost.mean_ms > 0 && candidate.warm_up >= kWarmsUpLong)
       expense += kWarmUpMore * likely * candidate.warm_up;
+    // What is hoped for against what was measured is tried once for nothing.
+    const double measured = std::min(expected(i, one), kMostOfTrial * free_ms());
+    if (cost.fails >= 2 && measured > kContradicts * likely)
+      expense += kSlowAfter * std::max(0.0, measured - free_ms());
     if (expense > 0 && !affordable(expense)) continue;
     const double pays = kPaysWithin * candidate.chance * (now - (hope + likely) / 2);
     const bool promises =
@@ -277,6 +308,7 @@ void AutoDecision::change(int to) {
   draws_ = to;
   costs_[std::size_t(to)].recent = 0;
   since_change_ = 0;
+  unsettled_ = 0, last_ms_ = 0, failed_.tried = -1;
   ++recent_changes_;
 }
 
@@ -311,11 +343,13 @@ void AutoDecision::end_trial(std::span<const AutoOutlook> outlook) {
   }
   const AutoCandidate& tried = candidates_[std::size_t(trial_)];
   Cost& cost = costs_[std::size_t(trial_)];
+  failed_ = {trial_, cost, trial_cost_ms_, costs_[std::size_t(draws_)].calm, 0};
   const int drawn = int(trial_ms_.size());
   const int from = drawn > tried.warm_up ? tried.warm_up : std::max(0, drawn - 2);
   cost.mean_ms = trial_mean(std::span(trial_ms_).subspan(std::size_t(from)));
   cost.guess_ms = outlook[std::size_t(trial_)].guess_ms;
   cost.frames = drawn - from, cost.age = 0, cost.slow = slow_;
+  cost.measured += cost.frames;
   cost.recent = cost.frames;
   cost.last.fill(cost.mean_ms);
   const double now = costs_[std::size_t(draws_)].mean_ms;
@@ -344,7 +378,7 @@ AutoChoice AutoDecision::next(std::span<const AutoOutlook> outlook, bool jumped,
     if (i != draws_) cost.age += jumped ? kJumpAges : 1;
     if (!jumped) continue;
     // What was learned is of another place.
-    cost.fails = 0;
+    cost.fails = cost.repeats = 0;
     cost.frames = std::min(cost.frames, 2);
     cost.recent = 0;
   }
@@ -374,7 +408,8 @@ AutoChoice AutoDecision::next(std::span<const AutoOutlook> outlook, bool jumped,
       }
       if (to >= 0) change(to), reason_ = AutoReason::leaves;
     }
-    if (costs_[std::size_t(draws_)].frames >= kTrial) {
+    const bool settled = unsettled_ == 0 || unsettled_ > kUnsettled;
+    if (costs_[std::size_t(draws_)].frames >= kTrial && settled) {
       const int best = best_known(outlook);
       const double now = costs_[std::size_t(draws_)].mean_ms;
       const bool warm = since_change_ > candidates_[std::size_t(draws_)].warm_up;
@@ -386,10 +421,11 @@ AutoChoice AutoDecision::next(std::span<const AutoOutlook> outlook, bool jumped,
                       : AutoReason::cheapest;
       } else if (since_change_ > candidates_[std::size_t(draws_)].warm_up) {
         prepares_ = worth_trying(outlook, false);
-        const int tries = disturbed ? -1 : worth_trying(outlook, true);
+        const bool slow = last_ms_ > kMuchForMean * now;
+        const int tries = disturbed || slow ? -1 : worth_trying(outlook, true);
         if (tries >= 0) {
-          trial_ = tries, trial_ms_.clear();
-          trial_expected_ms_ = expected(tries, outlook[std::size_t(tries)]);
+          trial_ = tries, trial_ms_.clear(), trial_cost_ms_ = 0;
+          trial_expected_ms_ = plausible(tries, outlook[std::size_t(tries)]);
         }
       }
     }
@@ -414,14 +450,55 @@ AutoChoice AutoDecision::next(std::span<const AutoOutlook> outlook, bool jumped,
   return choice;
 }
 
+// What draws took that, over what its model says if it has one.
+double AutoDecision::over_guess(double ms) const {
+  const double guess_ms = guesses_[std::size_t(draws_)];
+  return guess_ms > 0 ? ms / guess_ms : ms;
+}
+
+// What it took at its best, of late; and for how long it has taken much more.
+void AutoDecision::note_calm(Cost& cost) {
+  const double now = over_guess(median_of_last(cost));
+  const bool of_guess = guesses_[std::size_t(draws_)] > 0;
+  if (cost.calm == 0 || cost.calm_of_guess != of_guess || now < cost.calm)
+    cost.calm = now;
+  else if (now <= kMuchForMean * cost.calm || unsettled_ >= kUnsettled)
+    cost.calm += (now - cost.calm) * kNewestCalm;
+  cost.calm_of_guess = of_guess;
+  unsettled_ = now > kMuchForMean * cost.calm ? unsettled_ + 1 : 0;
+}
+
+// After a trial that failed: if what draws takes much more, too, something else took the time.
+void AutoDecision::doubt_failed(double ms) {
+  // What warms up again takes more anyway.
+  const bool warms_up = candidates_[std::size_t(draws_)].warm_up >= kWarmsUpLong;
+  const double much = warms_up ? kMuchOfWarmUp : kMuchForMean;
+  Cost& cost = costs_[std::size_t(failed_.tried)];
+  if (failed_.usual == 0 || over_guess(ms) <= much * failed_.usual ||
+      cost.repeats >= kMostRepeats) {
+    failed_.tried = -1;
+    return;
+  }
+  if (++failed_.slow < kSlowAfter) return;
+  const int age = cost.age;
+  cost = failed_.before;
+  cost.age += age;
+  cost.gap = cost.age + kRepeat, cost.fails = std::max(cost.fails, 1);
+  ++cost.repeats;
+  trials_ms_ -= failed_.ms;
+  failed_.tried = -1;
+}
+
 void AutoDecision::add(double ms, bool disturbed) {
   RILIEVO_EXPECTS(drawn_ >= 0);
   all_ms_ += ms;
   if (trial_ >= 0) {
     trial_ms_.push_back(ms);
-    trials_ms_ += std::max(0.0, trial_ms_.back() - free_ms());
+    const double more_ms = std::max(0.0, std::min(ms, kMostOfTrial * free_ms()) - free_ms());
+    trials_ms_ += more_ms, trial_cost_ms_ += more_ms;
     return;
   }
+  if (failed_.tried >= 0) doubt_failed(ms);
   Cost& cost = costs_[std::size_t(draws_)];
   // What a frame takes beside other work is no more than it takes.
   if (disturbed && cost.frames >= kTrial) ms = std::min(ms, cost.mean_ms);
@@ -430,6 +507,8 @@ void AutoDecision::add(double ms, bool disturbed) {
   const bool warms_up = since_change_ <= warm_up;
   const double newest = newest_share(warms_up ? kNewestOfWarmUp : kNewest, ++cost.frames);
   cost.last[std::size_t(++cost.recent % kLast)] = ms;
+  ++cost.measured, last_ms_ = ms;
+  if (!warms_up && cost.recent >= kLast) note_calm(cost);
   const double before_ms = cost.mean_ms, guess_ms = guesses_[std::size_t(draws_)];
   if (!warms_up && cost.recent >= kLeastForMedian)
     ms = std::min(ms, kMuchForMean * median_of_last(cost));

@@ -14,6 +14,12 @@
 // fails doubles the time to the next one of that method. So a walk on which nothing changes costs
 // next to nothing, and where the costs change the next trial is soon.
 //
+// Other programs slow some frames down. So no trial begins, and nothing is changed for, while what
+// draws takes much more than it did and its model does not say why, for a dozen frames; a trial
+// after which what draws takes much more, too, does not count; and what took much more than it took
+// at its best, or of few frames than its model says, is tried again after its gap as if it took
+// that.
+//
 // A method is changed for one that is cheaper by kGain, or, unless what draws warms up for long, as
 // cheap and of a better quality. With a pace, of all that keep it the best in quality is taken. The
 // same input gives the same decisions. Milliseconds a frame; time in frames.
@@ -71,6 +77,8 @@ struct AutoOutlook {
   bool good_enough = true;  // its frames are what was asked for, as far as is known
   double guess_ms = 0;      // what it would take, by a model; 0: unknown
   double prepare_ms = 0;    // what preparing it still takes of the frames beside, all together
+  // What it would take by a model that is too rough to say how that changes; 0: unknown.
+  double prior_ms = 0;
 };
 
 // Why a method draws.
@@ -146,11 +154,25 @@ class AutoDecision {
     int age = 0;                       // frames since
     int gap = 0;                       // the least age for the next trial
     int fails = 0;                     // trials in a row
+    int repeats = 0;                   // of trials that something else disturbed
+    int measured = 0;                  // frames, in all
+    // The median of what the last ones took at its best, of late; over the model's if it has one.
+    double calm = 0;
+    bool calm_of_guess = false;
+  };
+  // A trial that failed, until what draws says that the machine was as ever.
+  struct Failed {
+    int tried = -1;    // -1: none
+    Cost before;       // of what was tried
+    double ms = 0;     // that it cost
+    double usual = 0;  // of what draws, as Cost::calm
+    int slow = 0;      // frames since that took much more, in a row
   };
 
   [[nodiscard]] static double median_of_last(const Cost& cost);
   [[nodiscard]] double expected(int i, const AutoOutlook& outlook) const;
   [[nodiscard]] double unexplained(int i) const;
+  [[nodiscard]] double plausible(int i, const AutoOutlook& outlook) const;
   [[nodiscard]] double hoped(int i, const AutoOutlook& outlook) const;
   [[nodiscard]] bool better(double ms, int candidate, double than_ms, int than) const;
   [[nodiscard]] double needed_gain() const;
@@ -162,6 +184,9 @@ class AutoDecision {
   void change(int to);
   void end_trial(std::span<const AutoOutlook> outlook);
   [[nodiscard]] bool trial_over() const;
+  [[nodiscard]] double over_guess(double ms) const;
+  void note_calm(Cost& cost);
+  void doubt_failed(double ms);
 
   std::vector<AutoCandidate> candidates_;
   std::vector<Cost> costs_;
@@ -175,7 +200,10 @@ class AutoDecision {
   double slow_ = 1;
   std::vector<double> trial_ms_;
   double trial_expected_ms_ = 0;  // when it began; 0: unknown
-  double all_ms_ = 0, trials_ms_ = 0;
+  double all_ms_ = 0, trials_ms_ = 0, trial_cost_ms_ = 0;
+  Failed failed_;
+  int unsettled_ = 0;            // frames for which what draws has taken much more than it did
+  double last_ms_ = 0;           // of what draws
   std::vector<double> guesses_;  // of this frame
 };
 

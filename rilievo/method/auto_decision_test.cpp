@@ -19,7 +19,12 @@ struct Simulated {
   double cold = 1;         // times as much in the frames of its warm-up
   int prepared_after = 0;  // frames of preparing
   bool good = true;
+  double prior = 0;  // AutoOutlook::prior_ms
 };
+
+// How many times as long as without other programs a frame takes: that frame of the walk, which is
+// the n-th one that the method draws.
+using Slower = std::function<double(int frame, int method, int nth)>;
 
 struct Walk {
   double auto_ms = 0, trials_ms = 0;
@@ -31,7 +36,8 @@ struct Walk {
 
 // Draws `frames` frames by the decision; what is measured is up to `noise` more, now and then much.
 Walk walk(const std::vector<Simulated>& methods, int first, int frames, double noise,
-          std::uint32_t seed, double pace = 0, const std::vector<int>& jumps = {}) {
+          std::uint32_t seed, double pace = 0, const std::vector<int>& jumps = {},
+          const Slower& slower = {}) {
   std::mt19937 random(seed);
   const auto uniform = [&] { return double(random()) / 4294967296.0; };
   std::vector<AutoCandidate> candidates;
@@ -49,6 +55,7 @@ Walk walk(const std::vector<Simulated>& methods, int first, int frames, double n
       outlook[i].prepare_ms = 2.0 * std::max(0, methods[i].prepared_after - prepared[i]);
       outlook[i].good_enough = methods[i].good;
       outlook[i].guess_ms = methods[i].guess * methods[i].ms(frame);
+      outlook[i].prior_ms = methods[i].prior;
       walk.each_ms[i] += methods[i].ms(frame);
     }
     const AutoChoice choice =
@@ -64,6 +71,7 @@ Walk walk(const std::vector<Simulated>& methods, int first, int frames, double n
     double ms = methods[draws].ms(frame);
     if (in_a_row[draws] <= methods[draws].candidate.warm_up) ms *= methods[draws].cold;
     const double more = uniform(), rare = uniform();
+    if (slower) ms *= slower(frame, choice.draws, walk.drawn[draws]);
     const double measured = ms * (1 + noise * more) * (rare < 0.01 ? 1.8 : 1) + beside;
     decision.add(measured, beside > 0);
     walk.auto_ms += ms + beside;
@@ -513,6 +521,55 @@ TEST(AutoDecision, with_a_pace_the_best_that_keeps_it_draws) {
   // None keeps it: the cheapest.
   const Walk none = walk(methods, 0, 1000, 0.1, 1, 1000.0 / 400);
   EXPECT_GT(none.drawn[2], 900);
+}
+
+// Methods of which each may be the cheapest; other programs take four fifths of the time for some
+// frames of the walk.
+std::vector<Simulated> three_methods(double direct, double cache, double levels) {
+  return {{{"direct", 0}, always(direct), 1},
+          {{"cache", 1, 12}, always(cache), 0, 1.4, 0, true, 0.6 * direct},
+          {{"lod", 2, 1}, always(levels), 1, 1, 20}};
+}
+
+// Of the 700 frames after so many how many does the cheapest one draw?
+int drawn_by_cheapest(const std::vector<double>& costs, int first, const Slower& slower,
+                      int after) {
+  const std::vector<Simulated> methods = three_methods(costs[0], costs[1], costs[2]);
+  const auto drawn = [&](int frames) {
+    const Walk of = walk(methods, first, frames, 0.05, 7, 0, {}, slower);
+    return of.drawn[std::size_t(std::min_element(costs.begin(), costs.end()) - costs.begin())];
+  };
+  return drawn(after + 700) - drawn(after);
+}
+
+const std::vector<std::vector<double>> kCheapest{
+    {20, 30, 50}, {60, 30, 50}, {60, 45, 20}, {60, 90, 40}};
+
+TEST(AutoDecision, what_was_measured_while_the_machine_was_slow_is_tried_again) {
+  for (const std::vector<double>& costs : kCheapest)
+    for (const int first : {0, 1})
+      for (int from = 0; from < 120; from += 3)
+        for (const int lasts : {4, 10, 40}) {
+          const auto slower = [&](int frame, int, int) {
+            return frame >= from && frame < from + lasts ? 5.0 : 1.0;
+          };
+          EXPECT_GT(drawn_by_cheapest(costs, first, slower, 500), 560)
+              << costs[0] << " " << costs[1] << ", " << first << ", " << from << ", " << lasts;
+        }
+}
+
+// Each trial of it is two frames, and all of them may take a few hundredths of the time.
+TEST(AutoDecision, a_method_whose_first_frames_were_slow_is_tried_again) {
+  for (const std::vector<double>& costs : kCheapest)
+    for (const int first : {0, 1})
+      for (const int of : {0, 1, 2})
+        for (const int slow : {2, 10}) {
+          const auto slower = [&](int, int method, int nth) {
+            return method == of && nth < slow ? 5.0 : 1.0;
+          };
+          EXPECT_GT(drawn_by_cheapest(costs, first, slower, 2000), 560)
+              << costs[0] << " " << costs[1] << ", " << first << ", " << of << ", " << slow;
+        }
 }
 
 TEST(AutoDecision, the_same_input_gives_the_same_decisions) {

@@ -104,7 +104,7 @@ class AutoFrames final : public FrameSource {
   [[nodiscard]] bool in_a_hurry(double guess_ms) const;
   [[nodiscard]] bool good_enough(int method);
   [[nodiscard]] bool looks_exact(int method) const;
-  void learn_direct(double ms);
+  void learn_direct(double ms, bool trial);
   Result<> measure_loss(const Camera& camera, double time, const AutoChoice& choice);
   Result<> measure_loss_of_levels(const Camera& camera, double time);
   void forget_levels();
@@ -173,7 +173,8 @@ class AutoFrames final : public FrameSource {
   bool begun_by_cache_ = false;  // ... by the cache, which captured nothing
   double begun_ms_ = 0;          // what that took
   int frame_ = 0, counted_frames_ = 0, direct_frames_ = 0, drawn_by_ = kDirect;
-  double slowness_ = 1;  // times as slow as the machine of FrameLoad
+  double slowness_ = 1;       // times as slow as the machine of FrameLoad
+  double calm_slowness_ = 1;  // the same, without other programs
   bool hurries_ = false;
   std::optional<IdleThread> beside_;  // last: it ends first
 };
