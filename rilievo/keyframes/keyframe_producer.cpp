@@ -119,6 +119,15 @@ void KeyframeProducer::add_spare() {
          makes_quarters(options_.samples, options_.whole_texels));
 }
 
+void KeyframeProducer::reserve(const Camera& camera, double time) {
+  RILIEVO_EXPECTS(!options_.beside && !any());
+  frame_ = camera, time_ = time;
+  take_memory();
+  begin(camera);
+  if (options_.keyframe_ms > 0 && maker_.takes_parts(source_)) maker_.start(source_);
+  keep_memory(maker_.give_up());
+}
+
 void KeyframeProducer::take_memory() {
   RILIEVO_EXPECTS(!options_.beside);
   while (ready_.size() + spare_.size() + (maker_.busy() || complete_ ? 1 : 0) < kKept + kSpare)
@@ -137,7 +146,6 @@ void KeyframeProducer::forget() {
   if (maker_.busy() || std::exchange(complete_, false)) keep_memory(maker_.give_up());
   for (Keyframe& key : ready_) keep_memory(std::move(key));
   ready_.clear(), chosen_.clear(), left_out_.clear(), also_hidden_.clear();
-  hurries_ = false;
   if (spare_.size() > kSpare) spare_.resize(kSpare);
 }
 
@@ -168,13 +176,13 @@ bool KeyframeProducer::has_one_of(const Camera& eye) const {
   });
 }
 
-void KeyframeProducer::begin(const Camera& eye, bool stands) {
+void KeyframeProducer::begin(const Camera& eye) {
   KeyframeRequest request;
   request.camera = plain(eye);
   request.objects = objects_;
   request.samples = options_.samples, request.whole_texels = options_.whole_texels;
   request.time = time_, request.sky = options_.sky;
-  request.sharp = stands && stands_at(eye);
+  request.sharp = stands_at(eye);
   if (near_) {
     near_->choose(request.camera, frame_);
     // No objects would mean all.
@@ -201,7 +209,8 @@ void KeyframeProducer::add(Keyframe keyframe) {
   }
   ready_.push_back(std::move(keyframe));
   if (near_ || !also_hidden_.empty()) hide_objects_of_all();
-  while (spare_.size() > kSpare) spare_.erase(spare_.begin());
+  while (spare_.size() > kSpare && ready_.size() + spare_.size() > kKept + kSpare)
+    spare_.erase(spare_.begin());
 }
 
 // What one keyframe does not show is drawn as polygons: none may show it.
@@ -226,29 +235,15 @@ void KeyframeProducer::hide(std::span<const std::uint32_t> objects) {
   hide_objects_of_all();
 }
 
-Result<> KeyframeProducer::make_whole(const Camera& eye, bool stands) {
-  begin(eye, stands);
+Result<> KeyframeProducer::make_whole() {
+  begin(frame_);
   // A source that captures in parts takes its memory for these now, not when frames are timed.
   const int columns = maker_.takes_parts(source_) ? maker_.camera().width / 2 : 1 << 20;
   while (maker_.busy())
     if (Result<> made = maker_.step(source_, columns); !made) return made.error();
   add(maker_.take());
-  hurries_ = false;
   while (options_.keyframe_ms > 0 && spare_.size() < kSpare) add_spare();
   ++done_.completed;
-  return Done{};
-}
-
-Result<> KeyframeProducer::make_for(const Camera& eye) {
-  RILIEVO_EXPECTS(!options_.beside);
-  if (maker_.busy() || std::exchange(complete_, false)) keep_memory(maker_.give_up());
-  const Stopwatch watch;
-  // It is not known yet whether the eye stands.
-  if (Result<> made = make_whole(eye, false); !made) return made;
-  const double ms = watch.ms();
-  done_.ms += ms;
-  made_ms_ = 0, made_columns_ = 0, made_frames_ = 0;
-  note_cost(ms, ready_.back().camera.width);
   return Done{};
 }
 
@@ -280,7 +275,7 @@ Result<std::span<const WarpedKeyframe>> KeyframeProducer::make_now() {
     add(maker.take());
     ++done_.coarse;
   } else {
-    if (Result<> made = make_whole(frame_, true); !made) return made.error();
+    if (Result<> made = make_whole(); !made) return made.error();
   }
   done_.ms += watch.ms();
   choose();
@@ -289,9 +284,9 @@ Result<std::span<const WarpedKeyframe>> KeyframeProducer::make_now() {
 
 // With twice the time a keyframe comes twice as soon, and frames have half as many holes: both
 // together take the least if they take the same.
-double KeyframeProducer::ms_a_frame() const { return std::max(options_.keyframe_ms, holes_ms_); }
-
-int KeyframeProducer::most_frames() const { return hurries_ ? kMostInterval / 2 : kMostInterval; }
+double KeyframeProducer::ms_a_frame() const {
+  return std::max({options_.keyframe_ms, holes_ms_, allowed_ms_});
+}
 
 KeyframeProducer::Columns KeyframeProducer::columns_a_frame() const {
   constexpr int kBand = KeyframeMaker::kBand;
@@ -302,7 +297,7 @@ KeyframeProducer::Columns KeyframeProducer::columns_a_frame() const {
   };
   // No more than needed; but an eye soon is where a keyframe that takes too many frames shows
   // little.
-  const int most = of_frames(options_.interval), least = std::min(of_frames(most_frames()), most);
+  const int most = of_frames(options_.interval), least = std::min(of_frames(kMostInterval), most);
   int expected = most;
   double a_frame = most;
   if (options_.keyframe_ms > 0 && ms_per_column_ > 0) {
@@ -331,7 +326,7 @@ Result<> KeyframeProducer::work_beside() {
   }
   const Camera eye = prediction_.after(std::min(2 * frames_for_one_, kMostAhead));
   if (!prediction_.speed_known() || has_one_of(eye)) return Done{};
-  begin(eye, true);
+  begin(eye);
   stop_ = {};
   control_.stop = stop_.get_token();
   waited_ = 0, ordered_ = true;
@@ -356,9 +351,9 @@ Result<int> KeyframeProducer::step(const Columns& columns, const Stopwatch& watc
   // Parts of a keyframe take different times: what counts is that all of it takes not too many
   // frames, by what the last one took. Of one that takes more, each frame makes its share.
   const double whole_ms = measured_ ? ms_per_column_ * maker_.camera().width : 0;
-  const double wanted_ms = std::max(ms_a_frame(), whole_ms / most_frames());
+  const double wanted_ms = std::max(ms_a_frame(), whole_ms / kMostInterval);
   // To start takes as long as several parts.
-  const int least = made_frames_ == 0 ? 0 : made_frames_ < most_frames() ? 1 : columns.least;
+  const int least = made_frames_ == 0 ? 0 : made_frames_ < kMostInterval ? 1 : columns.least;
   ++made_frames_;
   double last_ms = 0;
   while (maker_.busy() && done() < columns.most) {
@@ -372,8 +367,9 @@ Result<int> KeyframeProducer::step(const Columns& columns, const Stopwatch& watc
   return done();
 }
 
-Result<> KeyframeProducer::work(double holes_ms) {
+Result<> KeyframeProducer::work(double holes_ms, double allowed_ms) {
   if (options_.beside) return work_beside();
+  allowed_ms_ = allowed_ms;
   holes_ms_ += (holes_ms - holes_ms_) * kNewestHoles;
   const Columns columns = columns_a_frame();
   if (maker_.busy() && turn_between(maker_.camera(), frame_) > kElsewhere)
@@ -382,7 +378,7 @@ Result<> KeyframeProducer::work(double holes_ms) {
   if (!maker_.busy()) {
     const Camera eye = prediction_.after(2 * columns.frames);
     if (!prediction_.speed_known() || has_one_of(eye)) return Done{};
-    begin(eye, true);
+    begin(eye);
     made_ms_ = 0, made_columns_ = 0, made_frames_ = 0;
   }
   const Result<int> made = step(columns, watch);
@@ -390,7 +386,7 @@ Result<> KeyframeProducer::work(double holes_ms) {
   const double ms = watch.ms();
   done_.ms += ms;
   note_cost(ms, *made);
-  if (!maker_.busy()) complete_ = true, hurries_ = false, ++done_.completed;
+  if (!maker_.busy()) complete_ = true, ++done_.completed;
   return Done{};
 }
 

@@ -63,22 +63,19 @@ class KeyframeProducer {
   [[nodiscard]] std::span<const WarpedKeyframe> follow(const Camera& frame, double time);
   // Makes a keyframe for this frame now, and returns those to warp from. Fails where a source does.
   [[nodiscard]] Result<std::span<const WarpedKeyframe>> make_now();
-  // Makes one for this eye now, with the last frame's window. Fails where the source does. Not
-  // beside the frames.
-  Result<> make_for(const Camera& eye);
   // Takes the memory of those to come now, so that no frame that begins one touches new pages. Not
   // beside the frames.
   void take_memory();
+  // The same before the first frame, which `camera` will be like, and that of the source, too: what
+  // is begun for this eye is given up.
+  void reserve(const Camera& camera, double time);
   // How many frames the next one is expected to take.
   [[nodiscard]] double frames_for_one() const { return columns_a_frame().frames; }
-  // The next one takes at most half as many frames as others may, since there is one alone until
-  // then. Without a limit of time it takes as many as ever.
-  void hurry() { hurries_ = true; }
   // Those that a frame of this eye would be warped from: no frame begins.
   [[nodiscard]] std::span<const WarpedKeyframe> choose_for(const Camera& eye);
-  // Ends a frame of which holes took `holes_ms`: makes a part of a keyframe. Fails where the source
-  // does.
-  Result<> work(double holes_ms = 0);
+  // Ends a frame of which holes took `holes_ms`: makes a part of a keyframe, which may take
+  // `allowed_ms` if that is more than it may anyway. Fails where the source does.
+  Result<> work(double holes_ms = 0, double allowed_ms = 0);
 
   // Objects of which the last frame's keyframes show nothing, ascending.
   [[nodiscard]] std::span<const std::uint32_t> left_out() const { return left_out_; }
@@ -107,9 +104,8 @@ class KeyframeProducer {
   [[nodiscard]] bool stands_at(const Camera& eye) const;
   [[nodiscard]] bool has_one_of(const Camera& eye) const;
   Result<> work_beside();
-  // `stands`: it may be an eye that stands, as far as is known.
-  void begin(const Camera& eye, bool stands);
-  Result<> make_whole(const Camera& eye, bool stands);
+  void begin(const Camera& eye);
+  Result<> make_whole();
   void add(Keyframe keyframe);
   void hide_objects_of_all();
   void keep_memory(Keyframe keyframe);
@@ -124,7 +120,6 @@ class KeyframeProducer {
   };
   [[nodiscard]] Columns columns_a_frame() const;
   [[nodiscard]] double ms_a_frame() const;
-  [[nodiscard]] int most_frames() const;
   Result<int> step(const Columns& columns, const Stopwatch& watch);
   void note_cost(double ms, int columns);
 
@@ -142,11 +137,11 @@ class KeyframeProducer {
   bool complete_ = false;  // what is made: it is used from the next frame on
   std::vector<WarpedKeyframe> chosen_;
   double ms_per_column_ = 0, ms_per_texel_ = 0;
-  double holes_ms_ = 0;  // of the last frames
-  double made_ms_ = 0;   // of the keyframe that is being made
+  double holes_ms_ = 0;    // of the last frames
+  double allowed_ms_ = 0;  // of this frame
+  double made_ms_ = 0;     // of the keyframe that is being made
   int made_columns_ = 0, made_frames_ = 0;
   bool measured_ = false;  // was one completed?
-  bool hurries_ = false;   // with the one that is made, or the next one
   KeyframeWork done_;
 
   // Beside the frames: while in_flight_ only the other thread uses maker_ and failed_.

@@ -130,8 +130,7 @@ void AutoFrames::look(const Camera& camera) {
     outlook_[kLevels].ready = outlook_[kLevels].preparable = false;
   if (keyframes_) {
     const bool recent = preparing_ != kKeyframes && frame_ - keyframes_seen_ <= kKeyframesLast;
-    first_alone_ = first_alone_ && recent && !eye_.jumped() && !keyframes_->prepared();
-    keyframes.ready = recent && (first_alone_ || keyframes_->prepared());
+    keyframes.ready = recent && keyframes_->prepared();
     keyframes.preparable = !keyframes.ready && frame_ >= keyframes_again_;
     keyframes.prepare_ms = kOfFrames * kFirstKeyframes * kKeyframeMs;
   }
@@ -314,12 +313,10 @@ Result<> AutoFrames::draw(const Camera& camera, double time) {
     loss_[kKeyframes].db.reset(), keyframes_->forget_loss();
   // What the cache lost was measured elsewhere, too.
   if (eye_.jumped()) cheap_ = false, cache_loss_.reset();
-  const bool first = frame_ == begun_in_;
-  if (!first && std::exchange(begins_with_keyframes_, false))
-    if (Result<> begun = begin_keyframes_ahead(time); !begun) return begun;
   look(camera);
-  const bool disturbed = preparing_ >= 0;
-  const AutoChoice choice = decision_->next(outlook_, eye_.jumped(), disturbed);
+  // What frames make of keyframes they make after what is timed.
+  const bool disturbed = preparing_ >= 0 && stage_ != Preparing::by_frames;
+  const AutoChoice choice = decision_->next(outlook_, eye_.jumped(), preparing_ >= 0);
   const bool opengl = backend_.drawn_by() == DrawnBy::opengl;
   // Warm-ups and trials are short: all of their frames count.
   const bool timed = !opengl || choice.reason == AutoReason::trial || frame_ % kTimedFrames == 0;
@@ -332,18 +329,20 @@ Result<> AutoFrames::draw(const Camera& camera, double time) {
   shared_chooser_->use_cache(choice.draws == kCache);
   active_ = frames_[choice.draws == kCache ? kDirect : choice.draws].get();
   double ms = begun_ms_;
-  const bool begins = first && begins_with_keyframes_;
-  const bool has_drawn = std::exchange(begun_drawn_, false) &&
-                         (choice.draws == kDirect || (choice.draws == kCache && begun_by_cache_));
+  // Also where the cache begins and has captured: polygons were drawn over what it showed.
+  const bool has_drawn = std::exchange(begun_drawn_, false);
+  const int shown_by = has_drawn && !begun_by_cache_ ? kDirect : choice.draws;
   if (!has_drawn) {
     const Stopwatch watch;
     if (Result<> drawn = active_->draw(camera, time); !drawn) return drawn;
     if (opengl && timed) backend_.finish();
     ms = watch.ms();
   }
-  show(camera, time, choice.draws);
+  show(camera, time, shown_by);
   if (choice.draws == kKeyframes || keep_keyframes(camera, time, choice)) keyframes_seen_ = frame_;
-  if (choice.prepares >= 0) prepare(choice.prepares);
+  if (begins_with_keyframes_) prepare(kKeyframes, camera, time);
+  begins_with_keyframes_ = false;
+  if (choice.prepares >= 0) prepare(choice.prepares, camera, time);
   if (preparing_ == kKeyframes) shared_eye_.post(eye_, time);
   if (options_.by_clock && (choice.draws == kKeyframes || choice.draws == kLevels))
     if (Result<> measured = measure_loss(camera, time, choice); !measured) return measured;
@@ -365,10 +364,9 @@ Result<> AutoFrames::draw(const Camera& camera, double time) {
   if (active_ != frames_[kDirect].get() && slowness_ > calm_slowness_)
     slowness_ += (calm_slowness_ - slowness_) * kForgotten;
   if (timed) decision_->add(ms, disturbed);
-  if (begins)
-    if (Result<> begun = begin_keyframes_here(camera, time); !begun) return begun;
+  make_part(camera, time, ms);
   stats_ = active_->stats();
-  stats_.decision = {kCandidates[choice.draws].name, describe(choice.reason), choice.expected_ms,
+  stats_.decision = {kCandidates[shown_by].name, describe(choice.reason), choice.expected_ms,
                      choice.rival < 0 ? std::string_view() : kCandidates[choice.rival].name,
                      choice.rival_ms};
   fade(camera);

@@ -14,9 +14,6 @@ constexpr double kKeyframesPay = 2.75, kKeyframesMayPay = 1.3;
 // Levels of detail leave about so many triangles for a pixel of an object's bounds, and so many of
 // an object at least.
 constexpr double kLevelTriangles = 2, kLeastLevel = 300;
-// The cache's pictures are as bad as they become after so many frames, more or less: until then
-// some that were captured are still good enough to be drawn, and others not yet captured.
-constexpr double kCacheAges[] = {0, 3, 6};
 
 // An object of so many triangles in view.
 void add_object(const Camera& camera, const Box& bounds, double triangles, FrameLoad& load) {
@@ -79,17 +76,16 @@ Result<> AutoFrames::begin(const Camera& camera, double time) {
   measure_load(camera);
   const Result<bool> pay = keyframes_pay(camera, time);
   if (!pay) return pay.error();
-  begins_with_keyframes_ = *pay, begun_in_ = frame_;
+  begins_with_keyframes_ = *pay;
   // To try the cache later is dear: it captures for several frames. Direct drawing is tried at any
   // time.
-  decision_.emplace(kCandidates, caches_ && !cheap_ && !begins_with_keyframes_ ? kCache : kDirect,
-                    pace_ms);
+  decision_.emplace(kCandidates, caches_ && !cheap_ ? kCache : kDirect, pace_ms);
   width_ = camera.width, height_ = camera.height;
   return Done{};
 }
 
-// Does direct drawing take so long that keyframes are worth waiting for? Draws the frame, whose
-// work is counted: times of a first frame say little.
+// Does direct drawing take so long that keyframes are made from the first frame on? Draws the
+// frame, whose work is counted: times of a first frame say little.
 Result<bool> AutoFrames::keyframes_pay(const Camera& camera, double time) {
   if (!options_.by_clock || !caches_ || failed_[kKeyframes] || meshes_triangles_ > kMostForLoss ||
       backend_.drawn_by() != DrawnBy::software || preparing_ >= 0)
@@ -98,8 +94,7 @@ Result<bool> AutoFrames::keyframes_pay(const Camera& camera, double time) {
     return direct_ms >= times * (load_.keyframes_ms() + FrameLoad::kKeyframesOfDirect * direct_ms);
   };
   if (!pay(kKeyframesMayPay, load_.direct_ms())) return false;
-  // The cache's first frame is of polygons, as long as it captures nothing: so the cache has it
-  // behind it if keyframes are refused, and its captures begin a frame earlier.
+  // The cache's first frame is of polygons, as long as it captures nothing: it has it behind it.
   const Stopwatch watch;
   // After a change of the frame's size the cache has pictures: direct drawing alone is timed.
   for (const bool by_cache : {frame_ == 0, false}) {
@@ -117,96 +112,6 @@ Result<bool> AutoFrames::keyframes_pay(const Camera& camera, double time) {
   const bool keeps_pace =
       options_.fps > 0 && slowness_ * counted_ms < AutoDecision::kKeepsPace * 1000 / options_.fps;
   return !keeps_pace && pay(kKeyframesPay, counted_ms);
-}
-
-// After the frame that begins: makes its keyframe.
-Result<> AutoFrames::begin_keyframes_here(const Camera& camera, double time) {
-  begins_with_keyframes_ = false;
-  if (!keyframes_) {
-    Result<SoftwareBackend*> software = backend_.software();
-    if (!software) return software.error();
-    Result<std::unique_ptr<KeyframeFrames>> made = make_keyframes((*software)->scene());
-    if (made) keyframes_ = made->get(), frames_[kKeyframes] = std::move(*made);
-  }
-  begins_with_keyframes_ = keyframes_ && keyframes_->prepare_first(camera, time);
-  if (!begins_with_keyframes_) give_keyframes_up();
-  return Done{};
-}
-
-// Memory, mostly: the other methods go on.
-void AutoFrames::give_keyframes_up() {
-  failed_[kKeyframes] = true;
-  keyframes_ = nullptr, frames_[kKeyframes].reset();
-  decision_->begin_with(kCache);
-}
-
-// Before the frame that follows, when it is known how the eye moves: keyframes draw it if they are
-// good enough.
-Result<> AutoFrames::begin_keyframes_ahead(double time) {
-  Loss& loss = loss_[kKeyframes];
-  bool may_be_as_cache = false;
-  if (!eye_.jumped()) {
-    const AloneLoss may_lose{kMostTimes * options_.loss_db, kCertainly * options_.loss_db};
-    const Result<BegunKeyframes> begun = begin_keyframes(eye_, time, may_lose, *keyframes_);
-    if (!begun) {
-      give_keyframes_up();
-      return Done{};
-    }
-    loss = {.db = begun->loss_db, .seen_in = frame_};
-    first_alone_ = begun->alone;
-    keyframes_seen_ = frame_;
-    may_be_as_cache = begun->begun && loss.db && *loss.db <= kMostTimes * options_.loss_db;
-    if (may_be_as_cache && !good_enough(kKeyframes)) {
-      const Result<std::optional<double>> cache = loss_of_cache_soon(time);
-      if (!cache) return cache.error();
-      if (*cache) cache_loss_ = *cache;
-      loss.compared = cache->has_value();
-    }
-    if (loss.db && good_enough(kKeyframes)) {
-      decision_->begin_with(kKeyframes);
-      return Done{};
-    }
-  }
-  decision_->begin_with(kCache);
-  keyframes_seen_ = frame_ - kKeyframesLast - 1;
-  keyframes_->forget_loss();
-  loss.compared = false;
-  // They may be as good as the cache, once its pictures are older; or where the eye is then. What
-  // is worse than that is not looked at again soon.
-  if (eye_.jumped() || may_be_as_cache) loss.db.reset();
-  if (may_be_as_cache) prepare(kKeyframes, kCacheWarmsUp);
-  return Done{};
-}
-
-// How good are the cache's frames, once its pictures are some frames old? Draws some of them, which
-// nobody sees: where the eye is, of which pictures are captured, and where it will be. None: it is
-// not known.
-Result<std::optional<double>> AutoFrames::loss_of_cache_soon(double time) {
-  Result<SoftwareBackend*> software = backend_.software();
-  if (!software) return software.error();
-  FrameSource& frames = *frames_[kDirect];
-  // These frames are drawn over the one that was shown.
-  if (shown_) fade_.begin(*shown_, shown_camera_);
-  shown_ = nullptr;
-  shared_chooser_->use_cache(true);
-  Camera soon;
-  for (const double age : kCacheAges) {
-    soon = eye_.after(age);
-    if (Result<> drawn = frames.draw(soon, time); !drawn) return drawn.error();
-  }
-  if (shared_chooser_->cache_failed()) return std::optional<double>();
-  const Rgba8Image color = frames.software_target()->color();
-  if (!moves_) {
-    in_view_.clear();
-    backend_.placed().cull(soon, in_view_);
-    FrameLoss loss(&keyframes_->rays());
-    loss.add(soon, in_view_, color, kAuditionLosses);
-    return loss.db();
-  }
-  PieceLoss loss(**software);
-  for (int i = 0; i < PieceLoss::kEnough; ++i)
-    if (Result<> added = loss.add(soon, time, color); !added) return added.error();
-  return loss.db();
 }
 
 }  // namespace rilievo

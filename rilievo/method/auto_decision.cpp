@@ -141,13 +141,6 @@ AutoDecision::AutoDecision(std::span<const AutoCandidate> candidates, int first,
   trial_ms_.reserve(std::size_t(most + kCloseTrial));
 }
 
-void AutoDecision::begin_with(int candidate) {
-  RILIEVO_EXPECTS(candidate >= 0 && candidate < int(candidates_.size()));
-  draws_ = candidate, trial_ = -1, prepares_ = -1;
-  since_change_ = 0;
-  reason_ = AutoReason::begins;
-}
-
 double AutoDecision::median_of_last(const Cost& cost) {
   const int count = std::min(cost.recent, kLast);
   std::array<double, kLast> last;

@@ -120,9 +120,6 @@ class AutoDecision {
   // Begins with `first`. `pace_ms`: faster frames are no gain; 0: there is no pace.
   AutoDecision(std::span<const AutoCandidate> candidates, int first, double pace_ms = 0);
 
-  // From the next frame on another one draws, as if it had been the first.
-  void begin_with(int candidate);
-
   // The next frame's, for an outlook of each candidate. `jumped`: the eye has, so that what was
   // measured says less. Requires that some candidate can draw.
   // `disturbed`: something else takes time meanwhile, so that no trial begins.

@@ -249,20 +249,6 @@ TEST(AutoDecision, what_is_prepared_within_two_frames_need_not_gain_much) {
   EXPECT_EQ(drawn(30), 0);
 }
 
-TEST(AutoDecision, what_begins_later_draws_from_then_on_and_warms_up) {
-  const AutoCandidate candidates[] = {{"direct", 0}, {"cache", 1, 12}};
-  AutoDecision decision(candidates, 0);
-  const AutoOutlook outlook[] = {{true, false, true, 70, 0}, {true, false, true, 40, 0}};
-  EXPECT_EQ(decision.next(outlook).draws, 0);
-  decision.add(70);
-  decision.begin_with(1);
-  // Its first frames take twice as long as direct drawing, and do not count.
-  for (int frame = 0; frame < 60; ++frame) {
-    EXPECT_EQ(decision.next(outlook).draws, 1) << frame;
-    decision.add(frame < 12 ? 140 : 40);
-  }
-}
-
 // The cache took as much as keyframes do: to return to it takes a dozen dear frames.
 TEST(AutoDecision, what_warms_up_for_long_is_not_tried_again_where_it_gains_little) {
   const auto drawn_again = [](double more) {

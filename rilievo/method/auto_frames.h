@@ -76,13 +76,17 @@ class AutoFrames final : public FrameSource {
     AutoLevels levels;
     std::unique_ptr<KeyframeFrames> keyframes;
     bool failed = false;
-    double error_px = 0;  // that was asked for when it began
-    ShownFrame shown;     // what it is compared with
+    double error_px = 0;                         // that was asked for when it began
+    ShownFrame shown;                            // what it is compared with
+    EyePrediction eye;                           // that saw that
+    bool followed = false;                       // keyframes know how the eye moves
+    bool by_frames = false, first_seen = false;  // keyframes: frames make them; the first was seen
     Audition found;
   };
 
-  // How far what is prepared is.
-  enum class Preparing { made, shown, looked_at };
+  // How far what is prepared is: it is being made beside the frames; frames make parts of it; what
+  // the first keyframe shows is looked at; it waits for a frame to be compared with; and that.
+  enum class Preparing { made, by_frames, first_looked_at, shown, looked_at };
 
   AutoFrames(const MethodOptions& options, Backend& backend)
       : options_(options),
@@ -94,10 +98,6 @@ class AutoFrames final : public FrameSource {
   [[nodiscard]] static std::uint64_t count_mesh_triangles(const Scene& scene);
   Result<> begin(const Camera& camera, double time);
   Result<bool> keyframes_pay(const Camera& camera, double time);
-  Result<> begin_keyframes_here(const Camera& camera, double time);
-  Result<> begin_keyframes_ahead(double time);
-  void give_keyframes_up();
-  [[nodiscard]] Result<std::optional<double>> loss_of_cache_soon(double time);
   [[nodiscard]] Result<std::unique_ptr<KeyframeFrames>> make_keyframes(const Scene& scene) const;
   void look(const Camera& camera);
   void measure_load(const Camera& camera);
@@ -112,7 +112,12 @@ class AutoFrames final : public FrameSource {
   [[nodiscard]] bool keep_keyframes(const Camera& camera, double time, const AutoChoice& choice);
   [[nodiscard]] Result<std::optional<double>> look_at_levels(const Camera& camera, double time,
                                                              bool again);
-  void prepare(int method, int goes_on = 0);
+  void prepare(int method, const Camera& camera, double time);
+  void make_part(const Camera& camera, double time, double ms);
+  void look_at_first_keyframe(double time);
+  [[nodiscard]] KeyframeFrames* prepared_keyframes() const {
+    return keyframes_ ? keyframes_ : made_.keyframes.get();
+  }
   [[nodiscard]] bool as_large_as_shown(const Camera& camera) const;
   void begin_fade(int to);
   void fade(const Camera& camera);
@@ -166,12 +171,10 @@ class AutoFrames final : public FrameSource {
   SharedEye shared_eye_;
   std::atomic<bool> prepared_{false};
   Prepared made_;
-  bool begins_with_keyframes_ = false;  // until the frame after begun_in_
-  bool first_alone_ = false;            // keyframes draw from the first one until there are two
-  int begun_in_ = 0;
-  bool begun_drawn_ = false;     // direct drawing drew the first frame, to find out
-  bool begun_by_cache_ = false;  // ... by the cache, which captured nothing
-  double begun_ms_ = 0;          // what that took
+  bool begins_with_keyframes_ = false;  // until the end of the frame that begins
+  bool begun_drawn_ = false;            // polygons drew the first frame, to find out
+  bool begun_by_cache_ = false;         // ... by the cache, which captured nothing
+  double begun_ms_ = 0;                 // what that took
   int frame_ = 0, counted_frames_ = 0, direct_frames_ = 0, drawn_by_ = kDirect;
   double slowness_ = 1;       // times as slow as the machine of FrameLoad
   double calm_slowness_ = 1;  // the same, without other programs

@@ -15,10 +15,11 @@ constexpr int kParts = 3;
 constexpr int kMostFrames = 160;
 // Steps after which those of long ago count for nothing.
 constexpr int kSettles = 48;
-// Places on the way from the first keyframe to the second one: in the middle both are the farthest;
-// by then one that is made beside the frames is there. So many times SampledLoss looks at each.
-constexpr double kLookedAt[] = {0.5, 0.25};
+// So many times SampledLoss looks ahead.
 constexpr int kLooks = 8;
+// A frame and what it makes of keyframes take so many times the usual time; and so much they make
+// in a frame that takes that alone.
+constexpr double kWithKeyframes = 1.4, kLeastForKeyframes = 0.15;
 
 }  // namespace
 
@@ -58,48 +59,43 @@ std::vector<double> way_to_frame(int frames, int parts, bool anew) {
   return way;
 }
 
-Result<> prepare_keyframes(SharedEye& eye, KeyframeFrames& frames, int goes_on) {
-  const int most = goes_on > 0 ? goes_on : kMostFrames, parts = goes_on > 0 ? 1 : kParts;
-  bool anew = goes_on == 0;
-  for (int frame = 0; frame < most && (anew || goes_on > 0 || !frames.prepared()); ++frame) {
+Result<> prepare_keyframes(SharedEye& eye, KeyframeFrames& frames) {
+  bool anew = true;
+  for (int frame = 0; frame < kMostFrames && (anew || !frames.prepared()); ++frame) {
     const std::optional<SharedEye::Posted> posted = eye.next();
     if (!posted) return Done{};
-    const std::vector<double> way = way_to_frame(posted->frames, parts, anew);
+    const std::vector<double> way = way_to_frame(posted->frames, kParts, anew);
     for (std::size_t i = 0; i < way.size(); ++i) {
       const Camera camera = posted->eye.after(way[i]);
-      if (i + std::size_t(parts) < way.size()) {
+      if (i + std::size_t(kParts) < way.size()) {
         frames.follow(camera, posted->time);
         continue;
       }
       if (Result<> done = frames.prepare(camera, posted->time, anew); !done) return done;
       anew = false;
-      if (goes_on == 0 && frames.prepared()) break;
+      if (frames.prepared()) break;
     }
   }
   return Done{};
 }
 
-Result<BegunKeyframes> begin_keyframes(const EyePrediction& eye, double time,
-                                       const AloneLoss& may_lose, KeyframeFrames& frames) {
-  BegunKeyframes begun;
-  for (const bool two : {false, true}) {
-    frames.forget_loss();
-    for (const double share : kLookedAt) {
-      const Camera there = eye.after(share * frames.frames_for_one());
-      if (Result<> done = frames.look_from(there, time); !done) return done.error();
-      for (int i = 0; i < kLooks; ++i) begun.loss_db = loss_of(frames);
-      if (!two && begun.loss_db && *begun.loss_db > may_lose.most) return begun;
-    }
-    begun.begun = true;
-    if (two) break;
-    if (begun.loss_db && *begun.loss_db <= may_lose.alone) {
-      frames.hurry();
-      begun.alone = true;
-      break;
-    }
-    if (Result<> made = frames.prepare_second(eye, time); !made) return made.error();
-  }
-  return begun;
+void follow_way(const EyePrediction& eye, double time, KeyframeFrames& frames) {
+  for (const double before : way_to_frame(1, 1, true))
+    if (before < 0) frames.follow(eye.after(before), time);
+}
+
+double time_for_keyframes(double ms, double usual_ms) {
+  return std::max(kWithKeyframes * usual_ms - ms, kLeastForKeyframes * usual_ms);
+}
+
+Result<std::optional<double>> loss_ahead(const EyePrediction& eye, double time,
+                                         KeyframeFrames& frames) {
+  frames.forget_loss();
+  if (Result<> done = frames.look_from(eye.after(0.5 * frames.frames_for_one()), time); !done)
+    return done.error();
+  std::optional<double> loss_db;
+  for (int i = 0; i < kLooks; ++i) loss_db = loss_of(frames);
+  return loss_db;
 }
 
 std::optional<double> loss_of(KeyframeFrames& frames) {
@@ -107,7 +103,8 @@ std::optional<double> loss_of(KeyframeFrames& frames) {
   return sampled ? std::optional(without_own_noise(*sampled)) : std::nullopt;
 }
 
-Audition audition_keyframes(const ShownFrame& shown, FrameLoss* loss, KeyframeFrames& frames) {
+Audition audition_keyframes(const ShownFrame& shown, const EyePrediction& eye, FrameLoss* loss,
+                            KeyframeFrames& frames) {
   Audition found;
   found.cache_loss_db = cache_loss(shown, loss);
   if (!begin_audition(shown, frames)) return found;
@@ -119,6 +116,8 @@ Audition audition_keyframes(const ShownFrame& shown, FrameLoss* loss, KeyframeFr
     found.loss_db = loss_of(frames);
     if (found.loss_db && i + 1 >= kAuditionLosses) break;
   }
+  const Result<std::optional<double>> ahead = loss_ahead(eye, shown.time, frames);
+  if (found.loss_db && ahead && *ahead) found.loss_db = std::max(*found.loss_db, **ahead);
   return found;
 }
 

@@ -40,9 +40,8 @@ class SharedEye {
 };
 
 // Makes keyframes for the eye until there are enough to begin with, or some seconds long; those
-// that `frames` has are of an eye some time ago. Or, if it `goes_on` with them, for so many frames,
-// as much as these would make. Fails where a capture does.
-[[nodiscard]] Result<> prepare_keyframes(SharedEye& eye, KeyframeFrames& frames, int goes_on = 0);
+// that `frames` has are of an eye some time ago. Fails where a capture does.
+[[nodiscard]] Result<> prepare_keyframes(SharedEye& eye, KeyframeFrames& frames);
 
 // Where the eye was, in frames before the one that is shown, `frames` after the last one that was
 // taken: places that keyframes follow, and in the last `parts` of which they are made. They predict
@@ -50,32 +49,25 @@ class SharedEye {
 // where the last one was long ago (`anew`).
 [[nodiscard]] std::vector<double> way_to_frame(int frames, int parts, bool anew);
 
-// Keyframes to begin with.
-struct BegunKeyframes {
-  std::optional<double> loss_db;  // none: not known
-  bool begun = false;             // frames can be drawn: from two, or from the first one `alone`
-  bool alone = false;
-};
-// What the first one may lose alone, dB. With more than `most` a second one, which brings a few dB,
-// would be of no use. With at most `alone` it is made beside the frames, in at most half as many as
-// others may take: at once it takes tenths of a second.
-struct AloneLoss {
-  double most = 0, alone = 0;
-};
+// Tells keyframes that are prepared by frames, from the next one on, how the eye has moved.
+void follow_way(const EyePrediction& eye, double time, KeyframeFrames& frames);
 
-// Looks at what is warped from the first one, which was made in the frame before, where the eye
-// will be in a while; makes the second one at once if it must, and looks again. Fails where a
-// capture does.
-[[nodiscard]] Result<BegunKeyframes> begin_keyframes(const EyePrediction& eye, double time,
-                                                     const AloneLoss& may_lose,
-                                                     KeyframeFrames& frames);
+// The time that a frame may spend on keyframes that it makes a part of, where the frame took `ms`
+// and such frames take `usual_ms`: all together stay well below 1.5 times that.
+[[nodiscard]] double time_for_keyframes(double ms, double usual_ms);
+
+// What is warped from keyframes loses where the eye will be when the next one is half complete, as
+// far as these show it; halfway both are the farthest. None: it is not known. Fails where memory
+// does not suffice.
+[[nodiscard]] Result<std::optional<double>> loss_ahead(const EyePrediction& eye, double time,
+                                                       KeyframeFrames& frames);
 
 // KeyframeFrames::sample_loss(), without the noise of its own truth.
 [[nodiscard]] std::optional<double> loss_of(KeyframeFrames& frames);
 
-// Draws a frame for the eye of the one that is shown. `loss`, of the same scene, may be null: then
-// it is not known how good the cache is.
-[[nodiscard]] Audition audition_keyframes(const ShownFrame& shown, FrameLoss* loss,
-                                          KeyframeFrames& frames);
+// Draws a frame for the eye of the one that is shown, and looks ahead, too: the larger loss counts.
+// `loss`, of the same scene, may be null: then it is not known how good the cache is.
+[[nodiscard]] Audition audition_keyframes(const ShownFrame& shown, const EyePrediction& eye,
+                                          FrameLoss* loss, KeyframeFrames& frames);
 
 }  // namespace rilievo

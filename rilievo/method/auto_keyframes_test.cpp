@@ -4,45 +4,71 @@
 
 #include <cmath>
 
+#include "rilievo/render/software/software_target.h"
 #include "rilievo/scene/builtin/builtin.h"
 
 namespace rilievo {
 namespace {
 
-TEST(AutoKeyframes, frames_begin_with_one_alone_that_loses_little_and_the_second_one_comes_soon) {
+// A walk of frames that take so long, and now and then a capture as well: however long keyframes
+// take, no frame is above 1.5 times the usual one for them.
+TEST(AutoKeyframes, a_frame_that_makes_a_part_takes_little_longer_than_others) {
+  for (const double usual : {4.0, 30.0, 200.0}) {
+    double left = 40 * usual;
+    int frames = 0;
+    for (; left > 0 && frames < 1000; ++frames) {
+      const double ms = (frames % 8 == 3 ? 1.35 : 0.95) * usual;
+      const double part = time_for_keyframes(ms, usual);
+      EXPECT_GT(part, 0);
+      EXPECT_LE(ms + part, 1.5 * usual + 1e-9);
+      left -= part;
+    }
+    EXPECT_LT(frames, 120);
+    // A frame that takes long anyway makes little.
+    EXPECT_LT(time_for_keyframes(5 * usual, usual), 0.2 * usual);
+  }
+}
+
+// The first keyframes come in parts, and each frame's work is a share of theirs: by counts, not by
+// the clock, since without a limit of time a keyframe takes the frames of its interval.
+TEST(AutoKeyframes, what_is_prepared_in_parts_is_what_frames_would_make) {
   const auto built = make_builtin("builtin:stonehenge?triangles=20000");
   ASSERT_TRUE(built.ok());
   KeyframeFramesOptions options;
   options.polygons_where_cheaper = false;
+  options.keyframes.interval = 6;
   const auto camera = [&](int i) {
     return camera_at(built->path, frame_time(built->path, i), 160, 90);
   };
-  constexpr double kAny = 1000;
-  for (const AloneLoss& may_lose :
-       {AloneLoss{kAny, kAny}, AloneLoss{kAny, -kAny}, AloneLoss{-kAny, -kAny}}) {
-    const bool begins = may_lose.most > 0, alone = may_lose.alone > 0;
-    const auto frames = KeyframeFrames::create(built->scene, options);
-    ASSERT_TRUE(frames.ok() && (*frames)->prepare_first(camera(0), 0).ok());
-    EyePrediction eye;
-    eye.follow(camera(0));
-    eye.follow(camera(1));
-    const Result<BegunKeyframes> begun = begin_keyframes(eye, 0, may_lose, **frames);
-    ASSERT_TRUE(begun.ok());
-    EXPECT_TRUE(begun->loss_db);
-    EXPECT_EQ(begun->begun, begins);
-    EXPECT_EQ(begun->alone, alone);
-    EXPECT_EQ((*frames)->prepared(), begins && !alone);
-    // The frames go on from what there is.
-    int made_in = 0;
-    for (int i = 1; i < 60 && made_in == 0; ++i) {
-      ASSERT_TRUE((*frames)->draw(camera(i), 0).ok());
-      if ((*frames)->prepared()) made_in = i;
+  const auto parts = KeyframeFrames::create(built->scene, options),
+             anew = KeyframeFrames::create(built->scene, options);
+  ASSERT_TRUE(parts.ok() && anew.ok());
+  (*parts)->reserve(camera(0), 0);
+  EXPECT_FALSE((*parts)->any());
+  EyePrediction eye;
+  int first = 0, second = 0;
+  for (int i = 0; i < 40 && second == 0; ++i) {
+    eye.follow(camera(i));
+    if (i == 1)
+      for (KeyframeFrames* one : {parts->get(), anew->get()}) follow_way(eye, 0, *one);
+    if (i == 0) continue;
+    ASSERT_TRUE((*parts)->prepare(camera(i), 0, false).ok());
+    ASSERT_TRUE((*anew)->prepare(camera(i), 0, i == 1).ok());
+    EXPECT_EQ((*parts)->prepared(), (*anew)->prepared());
+    if (first == 0 && (*parts)->any()) {
+      first = i;
+      const Result<std::optional<double>> loss = loss_ahead(eye, 0, **parts);
+      ASSERT_TRUE(loss.ok());
+      EXPECT_TRUE(*loss);
     }
-    if (begins && !alone) continue;
-    // At most 16 frames from the third one on, and one until it is taken.
-    EXPECT_GT(made_in, 3);
-    EXPECT_LE(made_in, 19);
+    if ((*parts)->prepared()) second = i;
   }
+  // Each takes six frames, and is there in the next one.
+  EXPECT_NEAR(first, 7, 1);
+  EXPECT_NEAR(second - first, 6, 1);
+  const Camera last = camera(second + 1);
+  ASSERT_TRUE((*parts)->draw(last, 0).ok() && (*anew)->draw(last, 0).ok());
+  EXPECT_TRUE((*parts)->software_target()->color() == (*anew)->software_target()->color());
 }
 
 TEST(AutoKeyframes, an_eye_tells_how_many_frames_nobody_took) {

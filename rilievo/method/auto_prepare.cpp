@@ -3,6 +3,7 @@
 
 #include "rilievo/frame/software/software_frames.h"
 #include "rilievo/method/auto_frames.h"
+#include "rilievo/method/good_enough.h"
 
 namespace rilievo {
 namespace {
@@ -32,8 +33,9 @@ Result<std::unique_ptr<KeyframeFrames>> AutoFrames::make_keyframes(const Scene& 
   return KeyframeFrames::create(scene, keyframes);
 }
 
-// `goes_on`: with keyframes that there are, for so many frames.
-void AutoFrames::prepare(int method, int goes_on) {
+// After a frame of this camera. Keyframes that promise much are made in parts, by the frames that
+// follow, on all cores.
+void AutoFrames::prepare(int method, const Camera& camera, double time) {
   const bool again = method == kKeyframes && keyframes_;
   if (preparing_ >= 0 || failed_[method] || (frames_[method] && !again)) return;
   Result<SoftwareBackend*> software = backend_.software();
@@ -45,13 +47,14 @@ void AutoFrames::prepare(int method, int goes_on) {
   shared_eye_.forget();
   prepared_ = false;
   made_.error_px = options_.error_px;
-  const bool hurry = in_a_hurry(outlook_[std::size_t(method)].guess_ms);
+  const bool hurry = in_a_hurry(outlook_[std::size_t(method)].guess_ms) || begins_with_keyframes_;
+  made_.by_frames = method == kKeyframes && hurry;
   if (!beside_ || hurries_ != hurry) beside_.emplace(hurries_ = hurry);
   const Scene& scene = (*software)->scene();
   // What moves is not where the rays' scene has it.
   const bool measures = method != kRays && meshes_triangles_ <= kMostForLoss && !moves_;
   const double pixels = double(width_) * height_;
-  beside_->run([this, method, &scene, measures, pixels, goes_on, error_px = options_.error_px,
+  beside_->run([this, method, &scene, measures, pixels, camera, time, error_px = options_.error_px,
                 width = width_, height = height_] {
     // The frame that copies a picture there must not touch new memory.
     made_.shown.color = Rgba8Image(width, height);
@@ -64,9 +67,40 @@ void AutoFrames::prepare(int method, int goes_on) {
       if (!keyframes_) {
         if (auto made = make_keyframes(scene)) made_.keyframes = std::move(*made);
       }
-      KeyframeFrames* frames = keyframes_ ? keyframes_ : made_.keyframes.get();
-      made_.failed = !frames || !prepare_keyframes(shared_eye_, *frames, goes_on);
+      KeyframeFrames* frames = prepared_keyframes();
+      made_.failed = !frames;
+      if (frames && made_.by_frames) frames->reserve(camera, time);
+      if (frames && !made_.by_frames) made_.failed = !prepare_keyframes(shared_eye_, *frames);
     }
+    prepared_ = true;
+  });
+}
+
+// Beside a frame that took `ms`.
+void AutoFrames::make_part(const Camera& camera, double time, double ms) {
+  if (preparing_ < 0 || stage_ != Preparing::by_frames) return;
+  KeyframeFrames& frames = *prepared_keyframes();
+  const double usual_ms = decision_->drawn_ms() > 0 ? decision_->drawn_ms() : ms;
+  // After a jump they are of elsewhere.
+  if (eye_.jumped()) made_.first_seen = made_.followed = false;
+  if (!std::exchange(made_.followed, true)) follow_way(eye_, time, frames);
+  if (!frames.prepare(camera, time, eye_.jumped(), time_for_keyframes(ms, usual_ms))) {
+    made_.failed = true, stage_ = Preparing::made;
+  } else if (frames.prepared()) {
+    stage_ = Preparing::shown;
+  } else if (frames.any() && !std::exchange(made_.first_seen, true)) {
+    look_at_first_keyframe(time);
+  }
+}
+
+// Where the first one alone loses far too much a second one, which brings a few dB, is of no use.
+void AutoFrames::look_at_first_keyframe(double time) {
+  stage_ = Preparing::first_looked_at;
+  prepared_ = false;
+  beside_->run([this, eye = eye_, time] {
+    const Result<std::optional<double>> loss_db = loss_ahead(eye, time, *prepared_keyframes());
+    made_.failed = !loss_db;
+    if (loss_db) made_.found.loss_db = *loss_db;
     prepared_ = true;
   });
 }
@@ -81,6 +115,7 @@ void AutoFrames::show(const Camera& camera, double time, int drawn_by) {
   shown.color = target->color();
   shown.camera = camera, shown.time = time, shown.by_cache = drawn_by == kCache;
   shown.before = as_large_as_shown(camera) ? shown_camera_ : camera;
+  made_.eye = eye_;
   backend_.placed().cull(camera, shown.in_view);
   look_at_prepared();
 }
@@ -95,8 +130,7 @@ void AutoFrames::look_at_prepared() {
         if (method == kLevels)
           made_.found = audition_levels(shown, error_px, loss_db, losses_.get(), made_.levels);
         if (method == kKeyframes)
-          made_.found =
-              audition_keyframes(shown, losses_.get(), keyframes_ ? *keyframes_ : *made_.keyframes);
+          made_.found = audition_keyframes(shown, made_.eye, losses_.get(), *prepared_keyframes());
         prepared_ = true;
       });
 }
@@ -106,7 +140,17 @@ Result<> AutoFrames::adopt() {
   if (preparing_ < 0 || !prepared_) return Done{};
   // What draws may have changed to what no software shows.
   if (stage_ == Preparing::shown && active_->software_target()) return Done{};
+  if (stage_ == Preparing::by_frames) return Done{};
   beside_->wait();
+  const auto most_db = kMostTimes * options_.loss_db;
+  const bool first_refused =
+      stage_ == Preparing::first_looked_at && made_.found.loss_db && *made_.found.loss_db > most_db;
+  const bool goes_on = (stage_ == Preparing::made && made_.by_frames) ||
+                       (stage_ == Preparing::first_looked_at && !first_refused);
+  if (goes_on && !made_.failed) {
+    stage_ = Preparing::by_frames;
+    return Done{};
+  }
   const bool can_be_seen =
       active_->software_target() &&
       ((preparing_ == kRays && made_.rays) || (preparing_ == kLevels && made_.levels.frames) ||
@@ -120,9 +164,11 @@ Result<> AutoFrames::adopt() {
   if (losses_ && !looks_) looks_.emplace(&losses_->rays());
   Result<SoftwareBackend*> software = backend_.software();
   if (!software) return software.error();
-  if (stage_ == Preparing::looked_at) {
+  if (stage_ == Preparing::looked_at || first_refused) {
     loss_[method] = {
         .db = made_.found.loss_db, .seen_in = frame_, .refusals = loss_[method].refusals};
+    // The cache, of the same moment: where both are bad one look suffices.
+    loss_[method].compared = method == kKeyframes && made_.found.cache_loss_db;
     if (made_.found.cache_loss_db) cache_loss_ = made_.found.cache_loss_db;
   }
   Result<std::unique_ptr<FrameSource>> frames{Error{}};

@@ -162,6 +162,7 @@ TEST_F(AutoTest, by_the_clock_no_object_is_missing) {
   }
 }
 
+// They are made by the frames of the cache, in parts.
 TEST_F(AutoTest, where_direct_drawing_takes_long_keyframes_begin_if_they_are_good_enough) {
   auto built = make_builtin("builtin:stonehenge?triangles=200000");
   ASSERT_TRUE(built.ok());
@@ -169,27 +170,29 @@ TEST_F(AutoTest, where_direct_drawing_takes_long_keyframes_begin_if_they_are_goo
   for (const double loss_db : {1000.0, 0.0}) {
     MethodOptions options{.by_clock = true};
     options.loss_db = loss_db;
+    // A cache that may show no picture costs no less than polygons.
+    options.error_px = 0.01;
     const Result<Method> made = make_method("auto", options, backend);
     ASSERT_TRUE(made.ok());
-    std::vector<std::string> drawn;
-    for (int i = 0; i < 3; ++i) {
-      const double time = frame_time(built->path, i);
-      ASSERT_TRUE(made->frames->draw(camera_at(built->path, time, 160, 90), time).ok());
-      drawn.emplace_back(made->frames->stats().decision.method);
-    }
-    const std::string then = loss_db > 0 ? "keyframes" : "cache";
-    EXPECT_EQ(drawn, (std::vector<std::string>{"direct", then, then}));
+    int frame = 0, by_keyframes = 0;
+    const auto draw = [&](double turned) {
+      const double time = frame_time(built->path, frame++);
+      Camera eye = camera_at(built->path, time, 160, 90);
+      eye.world_from_eye = glm::rotate(eye.world_from_eye, turned, {0, 1, 0});
+      EXPECT_TRUE(made->frames->draw(eye, time).ok());
+      return made->frames->stats().decision.method == "keyframes";
+    };
+    // Two keyframes take 32 frames; as many again for a machine that is slow to look at them.
+    while (frame < 30) EXPECT_FALSE(draw(0)) << frame;
+    for (; by_keyframes == 0 && frame < 300;) by_keyframes += draw(0);
+    EXPECT_EQ(by_keyframes > 0, loss_db > 0);
     // Of what the eye sees after a jump there are none.
-    const double later = frame_time(built->path, 3);
-    Camera aside = camera_at(built->path, later, 160, 90);
-    aside.world_from_eye = glm::rotate(aside.world_from_eye, 1.5, {0, 1, 0});
-    ASSERT_TRUE(made->frames->draw(aside, later).ok());
-    EXPECT_NE(made->frames->stats().decision.method, "keyframes");
+    EXPECT_FALSE(draw(1.5));
   }
 }
 
 // The first frame, which finds out what direct drawing takes, is the cache's first one, too.
-TEST_F(AutoTest, where_keyframes_are_refused_the_cache_captures_as_early_as_alone) {
+TEST_F(AutoTest, where_keyframes_are_prepared_the_cache_captures_as_early_as_alone) {
   auto built = make_builtin("builtin:stonehenge?triangles=200000");
   ASSERT_TRUE(built.ok());
   std::vector<int> captures[2];

@@ -364,13 +364,13 @@ Result<> KeyframeFrames::draw_objects() {
   return Done{};
 }
 
-Result<> KeyframeFrames::prepare(const Camera& camera, double time, bool anew) {
+Result<> KeyframeFrames::prepare(const Camera& camera, double time, bool anew, double allowed_ms) {
   State& s = *state_;
   if (!s.any_still) return Done{};
   if (anew && !s.options.keyframes.beside) s.producer->forget();
   s.placed.set_time(time);
   (void)s.producer->follow(camera, time);
-  Result<> done = s.producer->work();
+  Result<> done = s.producer->work(0, allowed_ms);
   (void)s.producer->take_work();
   if (!s.options.keyframes.beside && s.producer->has_two()) s.producer->take_memory();
   return done;
@@ -383,29 +383,17 @@ void KeyframeFrames::follow(const Camera& camera, double time) {
   (void)s.producer->follow(camera, time);
 }
 
-Result<> KeyframeFrames::prepare_first(const Camera& camera, double time) {
+void KeyframeFrames::reserve(const Camera& camera, double time) {
   State& s = *state_;
-  if (!s.any_still) return Done{};
+  if (!s.any_still) return;
   s.placed.set_time(time);
   s.camera = camera;
-  s.take_memory();
   s.producer->forget();
-  (void)s.producer->follow(camera, time);
-  Result<> made = s.producer->make_for(camera);
-  (void)s.producer->take_work();
-  return made;
+  s.take_memory();
+  s.producer->reserve(camera, time);
 }
 
-Result<> KeyframeFrames::prepare_second(const EyePrediction& eye, double time) {
-  State& s = *state_;
-  if (!s.any_still) return Done{};
-  s.placed.set_time(time);
-  if (Result<> made = s.producer->make_for(eye.after(frames_for_one())); !made) return made;
-  (void)s.producer->take_work();
-  return Done{};
-}
-
-void KeyframeFrames::hurry() { state_->producer->hurry(); }
+bool KeyframeFrames::any() const { return state_->producer->any(); }
 
 double KeyframeFrames::frames_for_one() const { return state_->producer->frames_for_one(); }
 

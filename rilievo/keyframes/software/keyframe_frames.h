@@ -16,7 +16,6 @@
 #include <vector>
 
 #include "rilievo/frame/frame_source.h"
-#include "rilievo/keyframes/eye_prediction.h"
 #include "rilievo/keyframes/keyframe_producer.h"
 
 namespace rilievo {
@@ -77,18 +76,17 @@ class KeyframeFrames final : public FrameSource {
   // The share of the last frame's pixels that show polygons. Counts them.
   [[nodiscard]] double live_share() const;
 
-  // Beside a frame that something else draws: makes a part of a keyframe. `anew`: this is the first
-  // such frame for some time, and keyframes from before are forgotten. Fails where a capture does.
-  Result<> prepare(const Camera& camera, double time, bool anew);
+  // Beside a frame that something else draws: makes a part of a keyframe, in at most `allowed_ms`
+  // if that is more than others take. `anew`: this is the first such frame for some time, and
+  // keyframes from before are forgotten. Fails where a capture does.
+  Result<> prepare(const Camera& camera, double time, bool anew, double allowed_ms = 0);
   // Beside such a frame, too, but makes nothing: it only learns how the eye moves.
   void follow(const Camera& camera, double time);
-  // Forgets all keyframes, and makes one for this frame at once. Fails where a capture does.
-  Result<> prepare_first(const Camera& camera, double time);
-  // And the second one, in the next frame, whose eye is `eye`: for as many frames ahead as a
-  // keyframe takes. Fails where a capture does.
-  Result<> prepare_second(const EyePrediction& eye, double time);
-  // Draws from one alone meanwhile: the next one takes at most half as many frames as others may.
-  void hurry();
+  // Forgets all keyframes, and takes the memory of those to come, so that no frame that prepares
+  // them touches new pages: on any thread, before such frames, which `camera` will be like.
+  void reserve(const Camera& camera, double time);
+  // Is there a keyframe to look from?
+  [[nodiscard]] bool any() const;
   // How many frames the next one is expected to take.
   [[nodiscard]] double frames_for_one() const;
   // Warps for another eye, for sample_loss() alone. Requires a keyframe. Fails where memory does
