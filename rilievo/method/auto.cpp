@@ -58,6 +58,8 @@ constexpr double kForgotten = 0.005;
 // otherwise, and how many say little.
 constexpr double kCalmGrows = 0.002;
 constexpr int kFewCounted = 10;
+// The cache's frames that capture most.
+constexpr int kFirstCaptures = 5;
 // With OpenGL frames overlap: one in so many is waited for, to be timed.
 constexpr int kTimedFrames = 8;
 
@@ -340,9 +342,12 @@ Result<> AutoFrames::draw(const Camera& camera, double time) {
   }
   show(camera, time, shown_by);
   if (choice.draws == kKeyframes || keep_keyframes(camera, time, choice)) keyframes_seen_ = frame_;
-  if (begins_with_keyframes_) prepare(kKeyframes, camera, time);
-  begins_with_keyframes_ = false;
-  if (choice.prepares >= 0) prepare(choice.prepares, camera, time);
+  // Not beside the first captures of the cache, which take long enough.
+  if (begins_with_keyframes_ && frame_ - begun_in_ >= kFirstCaptures) {
+    prepare(kKeyframes, camera, time);
+    begins_with_keyframes_ = false;
+  }
+  if (choice.prepares >= 0 && !begins_with_keyframes_) prepare(choice.prepares, camera, time);
   if (preparing_ == kKeyframes) shared_eye_.post(eye_, time);
   if (options_.by_clock && (choice.draws == kKeyframes || choice.draws == kLevels))
     if (Result<> measured = measure_loss(camera, time, choice); !measured) return measured;

@@ -413,9 +413,10 @@ AutoChoice AutoDecision::next(std::span<const AutoOutlook> outlook, bool jumped,
                       ? AutoReason::best
                       : AutoReason::cheapest;
       } else if (since_change_ > candidates_[std::size_t(draws_)].warm_up) {
-        prepares_ = worth_trying(outlook, false);
         const bool slow = last_ms_ > kMuchForMean * now;
         const int tries = disturbed || slow ? -1 : worth_trying(outlook, true);
+        // What is prepared would disturb the trial.
+        prepares_ = tries >= 0 ? -1 : worth_trying(outlook, false);
         if (tries >= 0) {
           trial_ = tries, trial_ms_.clear(), trial_cost_ms_ = 0;
           trial_expected_ms_ = plausible(tries, outlook[std::size_t(tries)]);

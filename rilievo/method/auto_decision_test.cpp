@@ -427,6 +427,28 @@ TEST(AutoDecision, what_promises_much_is_prepared_before_what_is_likely_but_dear
   }
 }
 
+// It takes memory bandwidth and a part of a core.
+TEST(AutoDecision, while_something_is_tried_nothing_is_prepared) {
+  const std::vector<AutoCandidate> candidates{{"direct", 0}, {"lod", 2, 1}, {"keyframes", 3, 1}};
+  AutoDecision decision(candidates, 0);
+  int tried = 0, prepared = 0;
+  for (int frame = 0; frame < 40; ++frame) {
+    const std::vector<AutoOutlook> outlook{
+        {.ready = true, .guess_ms = 90},
+        {.preparable = true, .guess_ms = 40, .prepare_ms = 100},
+        {.ready = frame >= 4, .preparable = frame < 4, .guess_ms = 50, .prepare_ms = 1e6}};
+    const AutoChoice choice = decision.next(outlook);
+    tried += choice.reason == AutoReason::trial;
+    prepared += choice.prepares == 1;
+    if (choice.reason == AutoReason::trial) {
+      EXPECT_EQ(choice.prepares, -1) << frame;
+    }
+    decision.add(choice.draws == 0 ? 90 : 50);
+  }
+  EXPECT_GT(tried, 0);
+  EXPECT_GT(prepared, 0);
+}
+
 TEST(AutoDecision, what_is_prepared_is_not_prepared_again) {
   const AutoCandidate candidates[] = {{"direct", 0}, {"lod", 2, 1}};
   AutoDecision decision(candidates, 0);

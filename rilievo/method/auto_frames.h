@@ -171,7 +171,8 @@ class AutoFrames final : public FrameSource {
   SharedEye shared_eye_;
   std::atomic<bool> prepared_{false};
   Prepared made_;
-  bool begins_with_keyframes_ = false;  // until the end of the frame that begins
+  bool begins_with_keyframes_ = false;  // until they are prepared
+  int begun_in_ = 0;                    // frame
   bool begun_drawn_ = false;            // polygons drew the first frame, to find out
   bool begun_by_cache_ = false;         // ... by the cache, which captured nothing
   double begun_ms_ = 0;                 // what that took
