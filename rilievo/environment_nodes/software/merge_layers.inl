@@ -59,18 +59,22 @@ HWY_INLINE void settle(const PlacedNodes& placed, const MF (&surface)[kMaxDrawnN
   const VF x = hn::Add(hn::Set(f, rays.x), hn::Mul(hn::Set(f, rays.z), px));
   const VF y = hn::Add(hn::Set(f, rays.y), hn::Mul(hn::Set(f, rays.w), py));
   const VF sky = hn::Set(f, nothing / 0.999f);
+  // What lies farther behind an accepted surface is not merged with it: its share is not asked.
+  const VF reach = hn::Set(f, 1 + 1.5f * placed.options.tolerance);
   VF accepted = zero;
   for (std::size_t k = 0; k < placed.count; ++k) {
     const MF wanted = hn::And(differ, surface[k]);
     if (hn::AllFalse(f, wanted)) continue;
     const VF ahead = hn::Div(
         one, hn::Max(hn::Mul(out.z[k], hn::Set(f, float(placed.scale))), hn::Set(f, 1e-30f)));
-    const MF near = hn::And(wanted, hn::Gt(out.z[k], sky));
+    MF near =
+        hn::And(hn::And(wanted, hn::Gt(out.z[k], sky)), hn::Ge(hn::Mul(out.z[k], reach), accepted));
     for (std::size_t j = 0; j < placed.count; ++j) {
       if (k == 0 || j == k || hn::AllFalse(f, near)) continue;
       const VF share =
           find_share(placed, j, hn::Mul(x, ahead), hn::Mul(y, ahead), hn::Neg(ahead), near);
       out.share[k] = hn::IfThenElse(near, hn::Min(out.share[k], share), out.share[k]);
+      near = hn::And(near, hn::Gt(out.share[k], zero));
     }
     const MF left = hn::And(wanted, hn::Ge(out.share[k], hn::Set(f, 0.5f)));
     accepted = hn::IfThenElse(left, hn::Max(accepted, out.z[k]), accepted);
