@@ -75,6 +75,7 @@ struct EnvironmentDrawable::State {
   mutable std::mutex last_mutex;
   NodeWorkingSet working;
   std::vector<std::size_t> drawn;
+  FrameParts filled;                                        // what the last of them is there for
   std::map<std::size_t, std::vector<glm::dvec3>> outlines;  // of the nodes in memory
   std::vector<glm::dvec3> lines;  // kept, so that drawing does not allocate
   std::optional<Sky> sky = nodes.sky();
@@ -96,9 +97,11 @@ struct EnvironmentDrawable::State {
     return last->second;
   }
 
-  // Into `drawn`, the best first.
+  // Into `drawn`, the best first, and `filled`.
   void choose(const Camera& frame) {
-    const auto [order, count] = chosen(frame);
+    const FrameNodes choice = chosen(frame);
+    const std::vector<std::size_t>& order = choice.order;
+    const std::size_t count = choice.drawn;
     working.want(order, [&](std::size_t node) {
       store->drop(node);
       outlines.erase(node);
@@ -110,10 +113,14 @@ struct EnvironmentDrawable::State {
     }
     for (std::size_t k = 0; k < count; ++k)
       if (store->holds(order[k])) drawn.push_back(order[k]);
+    filled = choice.filled;
+    options.draw.last_in = count > options.nodes && drawn.size() == count ? &filled : nullptr;
   }
 
   [[nodiscard]] double bound(const Camera& frame) const {
-    const auto [order, count] = chosen(frame);
+    const FrameNodes choice = chosen(frame);
+    const std::vector<std::size_t>& order = choice.order;
+    const std::size_t count = choice.drawn;
     const std::lock_guard lock(errors_mutex);
     double widest = 0;
     for (std::size_t k = 0; k < count; ++k) {

@@ -54,6 +54,69 @@ Image<std::uint16_t> few_disparities(const DepthImage& face, int size) {
   return few;
 }
 
+// NodeSketch::clear, of a sketch that has its disparities.
+void find_clear(NodeSketch& sketch) {
+  constexpr int kBlock = 8, kCells = NodeSketch::kClearSize;
+  const int size = sketch.disparity[0].width();
+  // Blocks of texels: the nearest of each, and a cone around them.
+  struct Block {
+    glm::vec3 middle;
+    float cosine, sine;  // of the angle from its middle to its rim
+    float distance = INFINITY;
+  };
+  std::vector<Block> blocks;
+  // The part of a face from low to high, from -1 to 1 each: a cone around its directions, and so
+  // many radians more.
+  const auto cone = [](const FaceAxes& axes, const glm::dvec2& low, const glm::dvec2& high,
+                       double around) {
+    const auto direction = [&](double x, double y) {
+      return glm::normalize(glm::dvec3(axes.forward) + x * glm::dvec3(axes.right) -
+                            y * glm::dvec3(axes.up));
+    };
+    const glm::dvec3 middle = direction(0.5 * (low.x + high.x), 0.5 * (low.y + high.y));
+    double least = 1;
+    for (int c = 0; c < 4; ++c)
+      least = std::min(least,
+                       glm::dot(middle, direction(c & 1 ? high.x : low.x, c & 2 ? high.y : low.y)));
+    const double angle = std::acos(std::clamp(least, -1.0, 1.0)) + around;
+    return Block{glm::vec3(middle), float(std::cos(angle)), float(std::sin(angle))};
+  };
+  for (std::size_t f = 0; f < 6; ++f)
+    for (int top = 0; top < size; top += kBlock)
+      for (int left = 0; left < size; left += kBlock) {
+        const int right = std::min(left + kBlock, size), bottom = std::min(top + kBlock, size);
+        const double per = 2.0 / size;
+        Block block = cone(face_axes()[f], per * glm::dvec2(left, top) - 1.0,
+                           per * glm::dvec2(right, bottom) - 1.0, 0);
+        for (int y = top; y < bottom; ++y)
+          for (int x = left; x < right; ++x) {
+            const float disparity =
+                std::bit_cast<float>(std::uint32_t(sketch.disparity[f](x, y)) << 16);
+            const double u = per * (x + 0.5) - 1, v = per * (y + 0.5) - 1;
+            block.distance = std::min(
+                block.distance, float(std::sqrt(1 + u * u + v * v) / std::max(disparity, 0.0f)));
+          }
+        blocks.push_back(block);
+      }
+  for (std::size_t f = 0; f < 6; ++f) {
+    sketch.clear[f] = Image<float>(kCells, kCells);
+    for (int y = 0; y < kCells; ++y)
+      for (int x = 0; x < kCells; ++x) {
+        const double per = 2.0 / kCells;
+        const Block cell = cone(face_axes()[f], per * glm::dvec2(x, y) - 1.0,
+                                per * glm::dvec2(x + 1, y + 1) - 1.0, NodeSketch::kClearAngle);
+        float least = INFINITY;
+        for (const Block& block : blocks) {
+          // Cones meet if the angle between their middles is at most the sum of both.
+          const float meets = cell.cosine * block.cosine - cell.sine * block.sine;
+          if (block.distance < least && glm::dot(cell.middle, block.middle) >= meets - 1e-5f)
+            least = block.distance;
+        }
+        sketch.clear[f](x, y) = least;
+      }
+  }
+}
+
 }  // namespace
 
 Box EnvironmentNodes::bounds() const {
@@ -74,6 +137,7 @@ std::size_t EnvironmentNodes::bytes() const {
   for (const NodeSketch& node : nodes) {
     for (const Image<float>& face : node.distance) sum += face.texels().size() * sizeof(float);
     for (const Image<std::uint16_t>& face : node.disparity) sum += 2 * face.texels().size();
+    for (const Image<float>& face : node.clear) sum += face.texels().size() * sizeof(float);
   }
   return sum;
 }
@@ -124,6 +188,7 @@ NodeSketch make_sketch(const EnvironmentMap& map, std::size_t nodes) {
   }
   sketch.sky = sky_sums(map);
   sketch.covered = double(covered) / (6.0 * n * n);
+  find_clear(sketch);
   return sketch;
 }
 

@@ -35,6 +35,11 @@ struct NodeSketch {
   // infinite where nothing is shown. Finer than `distance`: surfaces that are seen from beside are
   // a few texels wide. From it the nodes of a frame are chosen (nodes_for_frame.h).
   std::array<Image<std::uint16_t>, 6> disparity;
+  // How far nothing is seen within kClearAngle of any direction of a part of a face, of kClearSize
+  // x kClearSize of them, from above.
+  static constexpr int kClearSize = 16;
+  static constexpr double kClearAngle = 0.15;
+  std::array<Image<float>, 6> clear;
 
   [[nodiscard]] glm::dvec3 eye() const { return glm::dvec3(world_from_node[3]); }
 };

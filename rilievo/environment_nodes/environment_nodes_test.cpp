@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <string>
 #include <utility>
@@ -13,6 +14,7 @@
 #include "rilievo/core/file_test_helpers.h"
 #include "rilievo/core/random.h"
 #include "rilievo/environment_nodes/bake_nodes.h"
+#include "rilievo/environment_nodes/cube_grid.h"
 #include "rilievo/environment_nodes/environment_drawable.h"
 #include "rilievo/environment_nodes/environment_kind.h"
 #include "rilievo/environment_nodes/file.h"
@@ -95,6 +97,45 @@ TEST(EnvironmentNodes, an_eye_is_served_by_the_nearest_nodes_that_see_it) {
   EXPECT_GT(hidden, asked / 10);
   // A sketch's texel is 4 degrees wide; it errs beside the door's edges.
   EXPECT_LT(wrong, asked / 20);
+}
+
+// The slow way: the nearest texel within the angle, of all.
+TEST(EnvironmentNodes, nothing_is_seen_nearer_than_where_a_sketch_is_clear) {
+  Random random(7);
+  const EnvironmentNodes made = nodes_at(random_eyes(random, 2));
+  int asked = 0, wide = 0;
+  for (const NodeSketch& node : made.nodes) {
+    const int size = node.disparity[0].width();
+    const auto direction = [&](std::size_t f, double x, double y) {
+      const FaceAxes& axes = face_axes()[f];
+      return glm::normalize(glm::dvec3(axes.forward) + x * glm::dvec3(axes.right) -
+                            y * glm::dvec3(axes.up));
+    };
+    for (int i = 0; i < 100; ++i) {
+      const auto f = std::size_t(random.between(0, 5.99f));
+      const double u = double(random.between(-0.999f, 0.999f)),
+                   v = double(random.between(-0.999f, 0.999f));
+      const auto cell = [](double at) { return int(0.5 * (at + 1) * NodeSketch::kClearSize); };
+      const double clear = double(node.clear[f](cell(u), cell(v)));
+      double nearest = INFINITY;
+      for (std::size_t g = 0; g < 6; ++g)
+        for (int y = 0; y < size; ++y)
+          for (int x = 0; x < size; ++x) {
+            const double at_x = 2 * (x + 0.5) / size - 1, at_y = 2 * (y + 0.5) / size - 1;
+            if (glm::dot(direction(g, at_x, at_y), direction(f, u, v)) <
+                std::cos(NodeSketch::kClearAngle))
+              continue;
+            const double disparity =
+                double(std::bit_cast<float>(std::uint32_t(node.disparity[g](x, y)) << 16));
+            nearest = std::min(nearest, std::sqrt(1 + at_x * at_x + at_y * at_y) / disparity);
+          }
+      EXPECT_LE(clear, nearest * 1.0001);  // it is in single precision
+      wide += clear > 0.5 * nearest;
+      ++asked;
+    }
+  }
+  // Cones around parts and around blocks of texels are wider than what they hold.
+  EXPECT_GT(wide, asked / 2);
 }
 
 TEST(EnvironmentNodes, a_file_gives_back_every_node_and_keeps_the_pictures) {

@@ -2,6 +2,7 @@
 // S3.8)
 #pragma once
 
+#include <bitset>
 #include <cstddef>
 #include <cstdint>
 #include <glm/glm.hpp>
@@ -23,6 +24,17 @@ enum class NodeMerge {
   first,       // the first node; others only in its gaps (S3.8)
 };
 
+// Parts of a frame: as many columns and rows, from below.
+struct FrameParts {
+  static constexpr int kColumns = 48, kRows = 27;
+  std::bitset<std::size_t(kColumns* kRows)> marked;
+
+  [[nodiscard]] static std::size_t number(int column, int row) {
+    return std::size_t(row * kColumns + column);
+  }
+  [[nodiscard]] bool holds(int column, int row) const { return marked[number(column, row)]; }
+};
+
 // How nodes are merged and gaps are filled.
 struct NodeDrawOptions {
   NodeMerge merge = NodeMerge::positional;
@@ -31,6 +43,10 @@ struct NodeDrawOptions {
   bool skin = false;
   // Surfaces are equal if their distances differ by at most this share.
   float tolerance = 0.03f;
+  // Of three and more nodes: those parts of the frame that the last one is there for, until draw()
+  // returns; it may be left out where it is neither near them nor near a gap of the others. Null:
+  // everywhere.
+  const FrameParts* last_in = nullptr;
 };
 
 // Gaps of this width, pixels, count as cracks, which are always filled.

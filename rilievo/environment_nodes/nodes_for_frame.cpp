@@ -22,6 +22,10 @@ constexpr double kOneSlope = 1.5;
 // node sees no more in the old direction; but it is at least this share of the distance.
 constexpr double kTurn = 0.03, kLeastStep = 0.01;
 constexpr int kMostSteps = 300, kHalvings = 6;
+// Places so much nearer than a node's surfaces around are free: distances are those of texels.
+constexpr double kClearShare = 0.95;
+// After steps longer than this share of the way another such step is tried first.
+constexpr double kClearStep = 0.03;
 // Nodes that are asked: the best.
 constexpr std::size_t kMostAsked = 16;
 
@@ -29,9 +33,47 @@ constexpr std::size_t kMostAsked = 16;
 struct NodeRay {
   const NodeSketch* node = nullptr;
   glm::dvec3 from{0.0}, along{0.0};
-  double beside = 0;  // distance of the node from the line
+  double beside = 0;   // distance of the node from the line
+  double nearest = 0;  // where the line is nearest to the node
 
   [[nodiscard]] glm::dvec3 at(double t) const { return from + t * along; }
+};
+
+// The nodes that are asked, for all lines of sight of a frame; and one line in the spaces of those
+// that were asked for it.
+struct AskedNodes {
+  struct Asked {
+    const NodeSketch* node;
+    glm::dmat3 node_from_world;
+    glm::dvec3 from;  // the frame's eye
+  };
+  std::vector<Asked> nodes;
+};
+class LineOfSight {
+ public:
+  explicit LineOfSight(const AskedNodes& asked) : asked_(asked), rays_(asked.nodes.size()) {}
+
+  void begin(const glm::dvec3& along) {
+    along_ = along;
+    for (NodeRay& ray : rays_) ray.node = nullptr;
+  }
+  [[nodiscard]] std::size_t size() const { return rays_.size(); }
+  [[nodiscard]] const NodeRay& operator[](std::size_t k) {
+    NodeRay& ray = rays_[k];
+    if (ray.node) return ray;
+    const AskedNodes::Asked& of = asked_.nodes[k];
+    ray.node = of.node;
+    ray.from = of.from;
+    ray.along = of.node_from_world * along_;
+    ray.beside = glm::length(glm::cross(ray.from, ray.along));
+    ray.nearest = -glm::dot(ray.from, ray.along);
+    return ray;
+  }
+
+ private:
+  const AskedNodes& asked_;
+  std::vector<NodeRay> rays_;
+  glm::dvec3 along_{0.0};
 };
 
 // A node's four disparities around a direction.
@@ -80,6 +122,28 @@ inline Around around(const NodeSketch& node, const glm::dvec3& to) {
   return {size[axis], {of(x, y), of(x1, y), of(x, y1), of(x1, y1)}};
 }
 
+// Up to where is a line of sight free for certain, from t on? It may turn by kClearAngle around the
+// node, as long as it is nearer than what is seen so far beside it. t if it is not known to be.
+double clear_until(const NodeRay& ray, double t) {
+  static const double turn = std::tan(NodeSketch::kClearAngle);
+  const glm::dvec3 to = ray.at(t), size = glm::abs(to);
+  const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+  const std::size_t f = std::size_t(2 * axis + (to[axis] < 0 ? 1 : 0));
+  const FaceColumns& columns = kFaceColumns[f];
+  const double half = 0.5 * NodeSketch::kClearSize, scale = half / std::max(size[axis], 1e-300);
+  const auto cell = [&](double at) {
+    return std::clamp(int(half + scale * at), 0, NodeSketch::kClearSize - 1);
+  };
+  const double clear =
+      kClearShare * double(ray.node->clear[f](cell(columns.x_sign * to[columns.x_axis]),
+                                              cell(columns.y_sign * to[columns.y_axis])));
+  const double s = t - ray.nearest, b = ray.beside;
+  if (!(b * b + s * s < clear * clear)) return t;
+  // s = b tan(angle): b tan(angle + kClearAngle) = b (s + b turn) / (b - s turn)
+  const double to_turn = b - s * turn > 0 ? b * (s + b * turn) / (b - s * turn) : INFINITY;
+  return ray.nearest + std::min(to_turn, std::sqrt(clear * clear - b * b));
+}
+
 // How far a node sees beyond a place, along its line of sight; -1 if it does not see it.
 double seen_beyond(const NodeSketch& node, const glm::dvec3& to) {
   const Around q = around(node, to);
@@ -100,7 +164,7 @@ bool holds(const NodeSketch& node, const glm::dvec3& to, bool plainly) {
   });
 }
 
-SeenPlace look(std::span<const NodeRay> rays, std::size_t drawn, double nearest) {
+SeenPlace look(LineOfSight& rays, std::size_t drawn, double nearest) {
   std::size_t by = 0;  // the node that sees the place: most often the same as before
   double beyond = 0;
   // `except`: this node does not see it.
@@ -115,6 +179,14 @@ SeenPlace look(std::span<const NodeRay> rays, std::size_t drawn, double nearest)
   double t = nearest, before = 0;
   bool free_before = false;
   for (int step = 0; step < kMostSteps; ++step) {
+    if (const double clear = clear_until(rays[by], t); clear > t) {
+      if (std::isinf(clear)) break;
+      free_before = true, before = t;
+      // A long way has been gone, and likely another one follows.
+      const bool far = clear - t > kClearStep * clear;
+      t = clear;
+      if (far) continue;
+    }
     beyond = seen_beyond(*rays[by].node, rays[by].at(t));
     bool free = beyond >= 0;
     if (!free) {
@@ -151,22 +223,21 @@ std::vector<SeenPlace> places_in_view(const EnvironmentNodes& nodes, const Camer
   RILIEVO_EXPECTS(asked.size() <= 32);
   std::vector<SeenPlace> places(std::size_t(kViewColumns * kViewRows));
   const ImageWindow& w = frame.window;
+  AskedNodes all;
+  for (const std::size_t k : asked) {
+    const NodeSketch& node = nodes.nodes[k];
+    const glm::dmat3 node_from_world = glm::transpose(glm::dmat3(node.world_from_node));
+    all.nodes.push_back(
+        {&node, node_from_world, node_from_world * (frame.position() - node.eye())});
+  }
   parallel_for(0, kViewRows, [&](int row) {
-    std::vector<NodeRay> rays(asked.size());
+    LineOfSight line(all);
     for (int column = 0; column < kViewColumns; ++column) {
       const double u = (column + 0.5) / kViewColumns, v = (row + 0.5) / kViewRows;
-      const glm::dvec3 along = glm::normalize(
+      line.begin(glm::normalize(
           glm::dmat3(frame.world_from_eye) *
-          glm::dvec3(glm::mix(w.left, w.right, u), glm::mix(w.bottom, w.top, v), -1));
-      for (std::size_t k = 0; k < asked.size(); ++k) {
-        NodeRay& ray = rays[k];
-        ray.node = &nodes.nodes[asked[k]];
-        const glm::dmat3 node_from_world = glm::transpose(glm::dmat3(ray.node->world_from_node));
-        ray.from = node_from_world * (frame.position() - ray.node->eye());
-        ray.along = node_from_world * along;
-        ray.beside = glm::length(glm::cross(ray.from, ray.along));
-      }
-      places[std::size_t(row * kViewColumns + column)] = look(rays, drawn, frame.z_near);
+          glm::dvec3(glm::mix(w.left, w.right, u), glm::mix(w.bottom, w.top, v), -1)));
+      places[std::size_t(row * kViewColumns + column)] = look(line, drawn, frame.z_near);
     }
   });
   return places;
@@ -174,7 +245,7 @@ std::vector<SeenPlace> places_in_view(const EnvironmentNodes& nodes, const Camer
 
 FrameNodes nodes_for_frame(const EnvironmentNodes& nodes, const Camera& frame, std::size_t merged,
                            bool fills) {
-  FrameNodes chosen{nodes_for_eye(nodes, frame.position()), 0};
+  FrameNodes chosen{nodes_for_eye(nodes, frame.position()), 0, {}};
   std::vector<std::size_t>& order = chosen.order;
   chosen.drawn = std::min(merged, order.size());
   const std::size_t asked = std::min(order.size(), kMostAsked);
@@ -182,6 +253,9 @@ FrameNodes nodes_for_frame(const EnvironmentNodes& nodes, const Camera& frame, s
   const std::vector<SeenPlace> places =
       places_in_view(nodes, frame, std::span(order).first(asked), chosen.drawn);
   const std::uint32_t held = (1u << chosen.drawn) - 1;
+  const auto fills_in = [&](const SeenPlace& place, std::size_t k) {
+    return (place.held & held) == 0 && (place.held >> k & 1) != 0;
+  };
   // A farther node has larger texels, and fewer highlights in common with the others: what it adds
   // counts less, by the square root of its distance.
   const auto distance = [&](std::size_t k) {
@@ -192,9 +266,8 @@ FrameNodes nodes_for_frame(const EnvironmentNodes& nodes, const Camera& frame, s
   double most = 0;
   for (std::size_t k = chosen.drawn; k < asked && sees(nodes.nodes[order[k]], frame.position());
        ++k) {
-    const auto adds = std::count_if(places.begin(), places.end(), [&](const SeenPlace& place) {
-      return (place.held & held) == 0 && (place.held >> k & 1) != 0;
-    });
+    const auto adds = std::count_if(places.begin(), places.end(),
+                                    [&](const SeenPlace& place) { return fills_in(place, k); });
     const double score = double(adds) * std::sqrt(usual / std::max(distance(k), 1e-300));
     if (score > most) most = score, best = k;
   }
@@ -203,7 +276,10 @@ FrameNodes nodes_for_frame(const EnvironmentNodes& nodes, const Camera& frame, s
   const auto at = order.begin() + std::ptrdiff_t(chosen.drawn),
              from = order.begin() + std::ptrdiff_t(best);
   std::rotate(at, from, from + 1);
-  if (most >= kLeastFilled * double(places.size())) ++chosen.drawn;
+  if (most < kLeastFilled * double(places.size())) return chosen;
+  ++chosen.drawn;
+  for (std::size_t i = 0; i < places.size(); ++i)
+    chosen.filled.marked[i] = fills_in(places[i], best);
   return chosen;
 }
 

@@ -12,6 +12,7 @@
 
 #include "rilievo/core/camera.h"
 #include "rilievo/environment_nodes/environment_nodes.h"
+#include "rilievo/environment_nodes/node_store.h"
 
 namespace rilievo {
 
@@ -19,6 +20,8 @@ namespace rilievo {
 struct FrameNodes {
   std::vector<std::size_t> order;
   std::size_t drawn = 0;
+  // If one more than `merged` is drawn: where it holds what the others lack.
+  FrameParts filled{};
 };
 // Chooses `merged` nodes (at least one), and one more if `fills` and it holds so much of the view
 // that the others do not: kLeastFilled of it, times the root of how many times as far it is as the
@@ -35,7 +38,7 @@ struct SeenPlace {
 // The places on kViewColumns x kViewRows lines of sight of the frame, row by row from below. At
 // most 32 nodes are asked. Of what one of the first `drawn` of them holds it is not found out who
 // else does.
-inline constexpr int kViewColumns = 48, kViewRows = 27;
+inline constexpr int kViewColumns = FrameParts::kColumns, kViewRows = FrameParts::kRows;
 [[nodiscard]] std::vector<SeenPlace> places_in_view(const EnvironmentNodes& nodes,
                                                     const Camera& frame,
                                                     std::span<const std::size_t> asked,

@@ -101,7 +101,8 @@ void NodeLayer::mark_edge(const Placed& placed, const MeshEdge& edge, EdgePixels
     for (int x = x0; x <= x1; ++x) {
       const double along = (x + 0.5 - top.x) * dx + (y + 0.5 - top.y) * dy;
       const double at = length2 > 0 ? std::clamp(along / length2, 0.0, 1.0) : 0.0;
-      if (shows_edge(x, y, float(glm::mix(top.nearness, bottom.nearness, at)))) pixels.mark(x, y);
+      if (reaches(x, y) && shows_edge(x, y, float(glm::mix(top.nearness, bottom.nearness, at))))
+        pixels.mark(x, y);
     }
   }
 }
@@ -170,7 +171,7 @@ void NodeLayer::fill_edge_samples(const EdgePixels& pixels, const EdgePixels& wa
     for (int top = std::max(near.low, low) / kBlock * kBlock; top <= bottom; top += kBlock)
       for (int left = std::max(0, edges.x0) / kBlock * kBlock; left < right; left += kBlock) {
         std::uint64_t word = wanted.word(left, top);
-        if (word == 0) continue;
+        if (word == 0 || !reaches(left, top)) continue;
         // At the block's upper left pixel, and the most anywhere in it.
         std::int64_t block[3];
         bool reaches = true;

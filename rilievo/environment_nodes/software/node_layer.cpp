@@ -69,13 +69,28 @@ int cut(ClipCorner (&polygon)[9], double nearest, const glm::dvec2& size) {
   return count;
 }
 
+// Do the bounds of corners touch any of the blocks?
+bool touches(const FrameBlocks& blocks, std::span<const ClipCorner> corners,
+             const glm::dvec2& size) {
+  glm::dvec2 low(INFINITY), high(-INFINITY);
+  for (const ClipCorner& c : corners) {
+    const double w = std::max(c.raster.z, 1e-30);
+    const glm::dvec2 at(c.raster.x / w, size.y - c.raster.y / w);
+    low = glm::min(low, at), high = glm::max(high, at);
+  }
+  if (!(low.x < size.x && low.y < size.y && high.x >= 0 && high.y >= 0)) return false;
+  const glm::ivec2 from(glm::max(low, 0.0)), to(glm::min(high, size - 1.0));
+  return blocks.any(from.x, from.y, to.x, to.y);
+}
+
 }  // namespace
 
 void NodeLayer::place(const Camera& frame, int samples, std::span<const DrawnNode> nodes,
-                      bool merged) {
+                      bool merged, const FrameBlocks* only) {
   RILIEVO_EXPECTS(frame.projection == Projection::perspective);
   RILIEVO_EXPECTS(!merged || samples == 1);
   width_ = frame.width, height_ = frame.height, samples_ = samples, merged_ = merged;
+  only_ = only;
   nearest_ = kNearShare * frame.z_near;
   nodes_.clear();
   for (Soup* soup : {&surfaces_, &skins_, &doubtful_}) {
@@ -135,6 +150,7 @@ void NodeLayer::add(std::uint32_t node, Part part, Soup& soup) {
       }
       if (outside) continue;
       const int count = cut(polygon, nearest_, size);
+      if (only_ && !touches(*only_, {polygon, std::size_t(std::max(count, 0))}, size)) continue;
       if (part != Part::surfaces &&
           narrowness(nodes_[node], t, {polygon, std::size_t(std::max(count, 0))}) !=
               (part == Part::skins ? 2 : 1))

@@ -16,6 +16,7 @@
 #include "rilievo/environment_nodes/node_store.h"
 #include "rilievo/environment_nodes/software/corner_edges.h"
 #include "rilievo/environment_nodes/software/edge_pixels.h"
+#include "rilievo/environment_nodes/software/frame_blocks.h"
 #include "rilievo/environment_nodes/software/software_node.h"
 #include "rilievo/render/raster/sample_raster.h"
 
@@ -43,8 +44,15 @@ class NodeLayer {
  public:
   // Requires a perspective camera; one sample a pixel if it is merged with other layers. Of such a
   // layer skins lie behind all surfaces, and those that are drawn in part are left out there.
+  // With `only`, which must outlive what is drawn, nothing elsewhere.
   void place(const Camera& frame, int samples, std::span<const DrawnNode> nodes,
-             bool merged = false);
+             bool merged = false, const FrameBlocks* only = nullptr);
+  // Is the block of a pixel, y downwards, among those that it is drawn in?
+  [[nodiscard]] bool reaches(int x, int y) const { return !only_ || only_->holds(x, y); }
+  // Does a pixel, y downwards, show a surface? Of a layer of one sample a pixel.
+  [[nodiscard]] bool shows_surface(int x, int y) const {
+    return !surfaces_.triangle.empty() && surfaces_.raster.seen().depths(height_ - 1 - y)[x] < 1;
+  }
 
   // Marks the pixels that silhouettes of surfaces cross, unless what lies before them hides them.
   // Several layers may mark at a time.
@@ -143,7 +151,8 @@ class NodeLayer {
 
   int width_ = 0, height_ = 0, samples_ = 1;
   bool merged_ = false;
-  double nearest_ = 1;  // eye_z of the plane at which triangles are cut
+  const FrameBlocks* only_ = nullptr;  // null: everywhere
+  double nearest_ = 1;                 // eye_z of the plane at which triangles are cut
   std::vector<Placed> nodes_;
   std::vector<glm::dvec3> corners_;   // of the nodes' vertices
   Soup surfaces_, skins_, doubtful_;  // doubtful: skins that are narrow in part

@@ -17,6 +17,40 @@ namespace rilievo {
 namespace {
 
 constexpr float kAnyWidth = 1e30f;
+// Around what the last node is there for, and around gaps of the others, it is drawn, too: blocks.
+constexpr int kAroundGaps = 1;
+
+// Where is the last layer drawn, number `last`? In the marked parts of the frame and those beside
+// them, and around gaps of the layers before it.
+void find_blocks_of_last(PlacedNodes& placed, std::size_t last, const Camera& frame,
+                         const FrameParts& parts) {
+  constexpr int kBlock = FrameBlocks::kBlock;
+  FrameBlocks& blocks = placed.last_in;
+  blocks.begin(frame.width, frame.height);
+  for (int row = 0; row < FrameParts::kRows; ++row)
+    for (int column = 0; column < FrameParts::kColumns; ++column) {
+      if (!parts.holds(column, row)) continue;
+      const auto block = [](int part, int parts_of, int size) {
+        return int(std::int64_t(part) * size / parts_of) / kBlock;
+      };
+      const int top = FrameParts::kRows - 1 - row;
+      blocks.mark(block(std::max(column - 1, 0), FrameParts::kColumns, frame.width),
+                  block(std::max(top - 1, 0), FrameParts::kRows, frame.height),
+                  block(column + 2, FrameParts::kColumns, frame.width),
+                  block(top + 2, FrameParts::kRows, frame.height));
+    }
+  const auto is_gap = [&](int x, int y) {
+    for (std::size_t k = 0; k < last; ++k)
+      if (placed.layers[k].shows_surface(x, y)) return false;
+    return true;
+  };
+  for (int y = 0; y < frame.height; ++y)
+    for (int x = 0; x < frame.width; ++x)
+      if (is_gap(x, y))
+        blocks.mark(x / kBlock - kAroundGaps, y / kBlock - kAroundGaps, x / kBlock + kAroundGaps,
+                    y / kBlock + kAroundGaps);
+  blocks.finish();
+}
 
 }  // namespace
 
@@ -101,8 +135,12 @@ void NodeTiles::draw(const Camera& frame, double scale, std::span<const std::siz
     placed.layers[1].place(frame, 1, all.subspan(1), true);
   } else {
     placed.count = all.size();
-    for (std::size_t i = 0; i < all.size(); ++i)
-      placed.layers[i].place(frame, 1, all.subspan(i, 1), true);
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      const bool in_part = options.last_in && i > 1 && i + 1 == all.size();
+      if (in_part) find_blocks_of_last(placed, i, frame, *options.last_in);
+      placed.layers[i].place(frame, 1, all.subspan(i, 1), true,
+                             in_part ? &placed.last_in : nullptr);
+    }
   }
   placed.antialiased = placed.merged && output == Output::color && s.samples == 4;
   if (!placed.antialiased) return;

@@ -187,9 +187,15 @@ void draw_merged(const PlacedNodes& placed, FrameTile& tile, int block, int x, i
   const U u32;
   Shown shown[kMaxDrawnNodes][1];
   float nearest = 0;
-  for (std::size_t k = 0; k < placed.count; ++k)
-    nearest = std::max(nearest,
-                       find_shown<1, true>(placed.layers[k], placed.scale, tile, x, y, shown[k]));
+  for (std::size_t k = 0; k < placed.count; ++k) {
+    if (placed.layers[k].reaches(x, y)) {
+      nearest = std::max(nearest,
+                         find_shown<1, true>(placed.layers[k], placed.scale, tile, x, y, shown[k]));
+    } else {
+      std::fill_n(shown[k][0].inverse_z, kPixels, 0.0f);
+      std::fill_n(shown[k][0].triangle, kPixels, 0u);
+    }
+  }
   EdgeSamples edges;
   const std::uint64_t marked = placed.antialiased ? placed.edges.word(x, y) : 0;
   if (marked != 0) {

@@ -34,7 +34,8 @@ struct PlacedNodes {
   // Of merged nodes: do the pixels that silhouettes cross have four samples, and which are they?
   bool antialiased = false;
   EdgePixels edges;
-  EdgePixels gaps;  // of these, where some sample shows no surface
+  EdgePixels gaps;      // of these, where some sample shows no surface
+  FrameBlocks last_in;  // where the last layer is drawn, if not everywhere
 };
 
 // Draws them into a tile of the frame in which they were placed. Merged nodes have one sample a
