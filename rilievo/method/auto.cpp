@@ -30,6 +30,8 @@ constexpr int kFirstKeyframes = 64;
 // are; and what was not good enough is looked at again after so many frames, then twice as many, at
 // most so many: somewhere else it may be.
 constexpr int kLossFrames = 4, kLossFramesOfLevels = 8, kLooksAgain = 80, kLooksAgainAtMost = 1280;
+// Keyframes are made again for that, which takes some dozen frames a third more.
+constexpr int kMakesAgain = 2 * kLooksAgain;
 // The share of what is allowed that levels may lose: in some scenes they are measured to lose 1 dB
 // less than they do beside true frames, and finer ones cost little.
 constexpr double kOfLevels = 0.8;
@@ -128,7 +130,9 @@ void AutoFrames::look(const Camera& camera) {
   // After a jump they show a coarse one, which pops when another method replaces it a frame later.
   keyframes.good_enough = !eye_.jumped() && good_enough(kKeyframes);
   outlook_[kLevels].good_enough = good_enough(kLevels);
-  if (decision_->draws() != kLevels && load.level_triangles > kLevelsMayPay * load.triangles)
+  // Until there are levels it is a guess, and says nothing of scenes with few triangles.
+  if (levels_.levels && decision_->draws() != kLevels &&
+      load.level_triangles > kLevelsMayPay * load.triangles)
     outlook_[kLevels].ready = outlook_[kLevels].preparable = false;
   if (keyframes_) {
     const bool recent = preparing_ != kKeyframes && frame_ - keyframes_seen_ <= kKeyframesLast;
@@ -166,7 +170,8 @@ bool AutoFrames::good_enough(int method) {
                                                                         : 1;
     return !of.db || rilievo::good_enough(*of.db, cache_loss_, sure * options_.loss_db);
   };
-  const int again = std::min(kLooksAgain << std::min(of.refusals, 8), kLooksAgainAtMost);
+  const int first = method == kKeyframes ? kMakesAgain : kLooksAgain,
+            again = std::min(first << std::min(of.refusals, 8), kLooksAgainAtMost);
   if (!good() && preparing_ < 0 && frame_ - of.seen_in > again) {
     ++of.refusals;
     of.db.reset();

@@ -70,6 +70,23 @@ TEST_F(AutoTest, where_triangles_are_few_nothing_is_captured) {
   }
 }
 
+// Half of a sphere's triangles are coarser than a pixel, and fewer than 2 for each of its pixels.
+TEST_F(AutoTest, levels_of_few_triangles_are_prepared_whatever_is_guessed_of_them) {
+  auto built = make_builtin("builtin:teapot");
+  ASSERT_TRUE(built.ok());
+  SoftwareBackend backend(built->scene, 4);
+  const Result<Method> made = make_method("auto", {.by_clock = true}, backend);
+  ASSERT_TRUE(made.ok());
+  int by_levels = 0;
+  for (int i = 0; i < 200 && by_levels == 0; ++i) {
+    const double time = frame_time(built->path, i);
+    ASSERT_TRUE(made->frames->draw(camera_at(built->path, time, 512, 288), time).ok());
+    const FrameDecision& decision = made->frames->stats().decision;
+    by_levels += decision.method == "lod" || decision.rival == "lod";
+  }
+  EXPECT_GT(by_levels, 0);
+}
+
 // Of boxes there are none.
 TEST_F(AutoTest, levels_that_leave_all_triangles_are_not_tried) {
   auto built = make_builtin("builtin:cube");
