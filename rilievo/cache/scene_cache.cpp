@@ -300,6 +300,7 @@ void SceneCache::set_budget() {
   policy_.spikes.max_spike = coarse_ ? options_.max_spike : 0;
   if (!(options_.capture_ms > 0)) return;
   if (coarse_) {
+    clock_.pass_frame();
     clock_.set_budget(options_.capture_ms, unlimited_, policy_);
   } else if (cost_per_ms_ > 0) {
     policy_.capture_triangles =

@@ -1,11 +1,12 @@
 #include "rilievo/cache/prices/cost_clock.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace rilievo {
 namespace {
 
-constexpr double kDearer = 0.5, kCheaper = 0.1;
+constexpr double kDearer = 0.5, kCheaper = 0.1, kForgotten = 0.02;
 constexpr double kLeastMs = 0.1;                   // less says little
 constexpr std::uint64_t kLeastTriangles = 10'000;  // of pictures of several objects
 
@@ -15,6 +16,17 @@ void MeasuredPrice::learn(double cost, double ms) {
   if (!(ms > 0 && cost * ms_per_cost > kLeastMs)) return;
   const double now = ms / cost;
   ms_per_cost += (now > ms_per_cost ? kDearer : kCheaper) * (now - ms_per_cost);
+  learned = true;
+}
+
+void MeasuredPrice::pass_frame(double least) {
+  if (!std::exchange(learned, false) && ms_per_cost > least)
+    ms_per_cost += kForgotten * (least - ms_per_cost);
+}
+
+void CostClock::pass_frame() {
+  capture.pass_frame(drawing.ms_per_cost);
+  fallback.pass_frame(drawing.ms_per_cost);
 }
 
 void CostClock::set_budget(double ms, const CacheOptions& original, CacheOptions& options) const {

@@ -2,7 +2,9 @@
 //
 // Prices are in milliseconds per cost, as the CostModel estimates it. A price follows a dearer
 // measurement at once by half, and a cheaper one slowly, so that budgets hold when the machine is
-// busy.
+// busy. Drawing is measured in every frame. What is too dear for the budget is not done, so that
+// nothing would say that the machine is no longer busy: a price that no frame measures goes down to
+// that of drawing, slowly.
 #pragma once
 
 #include "rilievo/cache/plan/policy.h"
@@ -12,9 +14,12 @@ namespace rilievo {
 // A price, measured.
 struct MeasuredPrice {
   double ms_per_cost = 0;
+  bool learned = false;  // since the last frame
 
   // Learns that work of this cost took `ms`.
   void learn(double cost, double ms);
+  // A frame has passed: goes down to `least`, unless something was learned since the last one.
+  void pass_frame(double least);
 };
 
 // The prices of drawing, of captures, and of fallbacks by rays.
@@ -29,6 +34,8 @@ struct CostClock {
         fallback{ms_per_cost},
         modelled_ms_per_cost_(ms_per_cost) {}
 
+  // Before each frame.
+  void pass_frame();
   // Gives `options` a budget of `ms` milliseconds for captures, and the same for a fallback;
   // `original`: the same options without a budget. Fallbacks are priced in units of drawing, and
   // no picture of several objects costs more than half of the budget by its triangles alone. Where
