@@ -38,20 +38,19 @@ std::optional<PlacedIn> Placing::find(const glm::dvec3& world) const {
 }
 
 SampleCoverage::SampleCoverage(const LayeredDepthImage& layers, double reach)
-    : layers_(layers), reach_(reach), depths_(layers.first.size() - 1) {
+    : layers_(layers), reach_(reach), added_(layers.first.size() - 1) {
   const Camera& camera = layers.camera;
   per_metre_ = layers.depth_kind == DepthKind::window_z ? 1 / (camera.z_far - camera.z_near) : 1.0;
   metres_ = 1 / per_metre_;
   texel_ = {(camera.window.right - camera.window.left) / camera.width,
             (camera.window.top - camera.window.bottom) / camera.height};
   around_ = int(std::ceil(reach / std::min(texel_.x, texel_.y) - 1e-9));
-  for (std::size_t line = 0; line < depths_.size(); ++line)
-    for (std::uint64_t s = layers.first[line]; s < layers.first[line + 1]; ++s)
-      depths_[line].push_back(layers.samples[s].depth);
+  own_.reserve(layers.samples.size());
+  for (const LayerSample& sample : layers.samples) own_.push_back(sample.depth);
 }
 
 void SampleCoverage::add(std::size_t line, float depth) {
-  std::vector<float>& depths = depths_[line];
+  std::vector<float>& depths = added_[line];
   depths.insert(std::upper_bound(depths.begin(), depths.end(), depth), depth);
 }
 
@@ -72,14 +71,17 @@ bool SampleCoverage::covers(const glm::dvec3& place) {
     const double squared = left(x, y);
     if (squared < 0) return false;
     const double along = std::sqrt(squared) * per_metre_;
-    const std::vector<float>& depths =
-        depths_[std::size_t(y) * std::size_t(camera.width) + std::size_t(x)];
-    const auto near = std::partition_point(depths.begin(), depths.end(), [&](float depth) {
-      return double(depth) - place.z < -along;
-    });
-    if (near == depths.end() || double(*near) - place.z > along) return false;
-    last_ = {x, y, *near};
-    return true;
+    const auto is_among = [&](const float* begin, const float* end) {
+      const float* const near = std::partition_point(
+          begin, end, [&](float depth) { return double(depth) - place.z < -along; });
+      if (near == end || double(*near) - place.z > along) return false;
+      last_ = {x, y, *near};
+      return true;
+    };
+    const std::size_t line = std::size_t(y) * std::size_t(camera.width) + std::size_t(x);
+    const std::vector<float>& added = added_[line];
+    return is_among(own_.data() + layers_.first[line], own_.data() + layers_.first[line + 1]) ||
+           is_among(added.data(), added.data() + added.size());
   };
   if (has_one(x0, y0)) return true;
   for (int y = std::max(y0 - around_, 0); y <= std::min(y0 + around_, camera.height - 1); ++y)

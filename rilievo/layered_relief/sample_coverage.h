@@ -57,8 +57,10 @@ class SampleCoverage {
   glm::dvec2 texel_;
   int around_ = 1;  // so many lines of sight to each side are within the reach
   Sample last_;     // which covered a place
-  // Sorted: there are hundreds where a line runs along a face that other pictures see.
-  std::vector<std::vector<float>> depths_;
+  // The picture's own, as its `first` has them, and of each line those added. Both sorted: there
+  // are hundreds where a line runs along a face that other pictures see.
+  std::vector<float> own_;
+  std::vector<std::vector<float>> added_;
 };
 
 }  // namespace rilievo

@@ -131,6 +131,11 @@ OuterSides outer_sides(std::span<const SampleSides> sides, std::size_t own) {
   OuterSides out;
   out.head.assign(to.first.size() - 1, kNone);
   const Placing placing(to);
+  std::size_t most = 0;
+  for (std::size_t k = 0; k < sides.size(); ++k)
+    for (std::size_t s = 0; k != own && s < sides[k].layers().samples.size(); ++s)
+      most += sides[k].is_outer(s);
+  out.next.reserve(most), out.samples.reserve(most), out.normals.reserve(most);
   for (std::size_t k = 0; k < sides.size(); ++k) {
     if (k == own) continue;
     const auto is_outer = [&](std::size_t s) { return sides[k].is_outer(s); };
@@ -188,6 +193,9 @@ class Lacking {
   Lacking(const LayeredDepthImage& to, const OuterSides& outer, double reach, double per_metre)
       : to_(to), placing_(to), coverage_(to, reach), outer_(outer), per_metre_(per_metre) {
     added_.head.assign(to.first.size() - 1, kNone);
+    // Room for what is usual: vectors that grow touch their memory anew.
+    added_.next.reserve(2 * to.samples.size());
+    added_.known.reserve(2 * to.samples.size());
   }
 
   // Samples of picture `source` whose turn it is (SampleSides::turn).
@@ -345,18 +353,35 @@ LayeredDepthImage with(const SampleSides& own, std::uint32_t number, const Outer
   known.reserve(layers.samples.size() + added.known.size());
   out.first.reserve(layers.first.size());
   out.first.push_back(0);
+  // A line's samples by depth, its own before those added, and these in the order of their list:
+  // sorted by numbers, as samples are wide.
+  struct Entry {
+    float depth;
+    std::uint32_t place;  // in this order
+    std::uint64_t sample;
+    bool is_own;
+  };
+  std::vector<Entry> entries;
   for (std::size_t line = 0; line + 1 < layers.first.size(); ++line) {
-    const auto begin = std::ptrdiff_t(known.size());
-    for (std::uint64_t s = layers.first[line]; s < layers.first[line + 1]; ++s) {
-      known.push_back(known_of(own, number, s));
-      if (own.is_inner(s))
-        color_as_outer(layers, outer, own.normal(s), line, per_metre, known.back().sample);
-    }
+    entries.clear();
+    for (std::uint64_t s = layers.first[line]; s < layers.first[line + 1]; ++s)
+      entries.push_back({layers.samples[s].depth, std::uint32_t(entries.size()), s, true});
     for (std::uint32_t k = added.head[line]; k != kNone; k = added.next[k])
-      known.push_back(added.known[k]);
-    std::stable_sort(known.begin() + begin, known.end(), [](const Known& a, const Known& b) {
-      return a.sample.depth < b.sample.depth;
+      entries.push_back(
+          {added.known[k].sample.depth, std::uint32_t(entries.size()), std::uint64_t(k), false});
+    std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) {
+      return a.depth != b.depth ? a.depth < b.depth : a.place < b.place;
     });
+    for (const Entry& entry : entries) {
+      if (!entry.is_own) {
+        known.push_back(added.known[entry.sample]);
+        continue;
+      }
+      known.push_back(known_of(own, number, entry.sample));
+      if (own.is_inner(entry.sample))
+        color_as_outer(layers, outer, own.normal(entry.sample), line, per_metre,
+                       known.back().sample);
+    }
     out.first.push_back(known.size());
   }
   out.samples.reserve(known.size());

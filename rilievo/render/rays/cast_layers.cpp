@@ -62,6 +62,9 @@ LayeredDepthImage cast_layers(const RayScene& rays, const Camera& camera,
   layers.camera = camera;
   layers.first.reserve(std::size_t(width) * std::size_t(height) + 1);
   layers.first.push_back(0);
+  std::size_t samples = 0;
+  for (const Row& row : rows) samples += row.samples.size();
+  layers.samples.reserve(samples);
   for (const Row& row : rows) {
     for (const std::uint32_t count : row.counts)
       layers.first.push_back(layers.first.back() + count);
