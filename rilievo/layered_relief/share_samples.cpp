@@ -22,6 +22,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <numeric>
 #include <optional>
 #include <span>
 #include <unordered_set>
@@ -76,11 +77,17 @@ struct Added {
   std::vector<Known> known;  // as `next`
 };
 
-// The outer sides of closed bodies that other pictures see, where a picture has them.
+// The outer sides of closed bodies that other pictures see, where a picture has them: of line of
+// sight i those from first[i] to first[i + 1], by depth.
 struct OuterSides {
-  std::vector<std::uint32_t> head, next;  // as Added has them
-  std::vector<LayerSample> samples;
-  std::vector<glm::vec3> normals;
+  struct Side {
+    glm::vec4 color{0};
+    glm::vec3 normal{0};
+    std::uint32_t object = 0, number = 0;  // in the order in which they are found
+  };
+  std::vector<std::uint64_t> first;
+  std::vector<float> depths;  // close together, to be searched
+  std::vector<Side> sides;
 };
 
 double largest_texel(const Camera& camera) {
@@ -128,27 +135,47 @@ void each_sample(const LayeredDepthImage& layers, const Of& of, const Visit& vis
 // Those that others see; of `sides`, all pictures', number `own` is left out.
 OuterSides outer_sides(std::span<const SampleSides> sides, std::size_t own) {
   const LayeredDepthImage& to = sides[own].layers();
-  OuterSides out;
-  out.head.assign(to.first.size() - 1, kNone);
-  const Placing placing(to);
+  struct Found {
+    std::size_t line;
+    float depth;
+    OuterSides::Side side;
+  };
+  std::vector<Found> found;
   std::size_t most = 0;
   for (std::size_t k = 0; k < sides.size(); ++k)
     for (std::size_t s = 0; k != own && s < sides[k].layers().samples.size(); ++s)
       most += sides[k].is_outer(s);
-  out.next.reserve(most), out.samples.reserve(most), out.normals.reserve(most);
+  found.reserve(most);
+  OuterSides out;
+  out.first.assign(to.first.size(), 0);
+  const Placing placing(to);
   for (std::size_t k = 0; k < sides.size(); ++k) {
     if (k == own) continue;
     const auto is_outer = [&](std::size_t s) { return sides[k].is_outer(s); };
     each_sample(sides[k].layers(), is_outer, [&](std::size_t s, const glm::dvec3& world) {
       const std::optional<PlacedIn> place = placing.find(world);
       if (!place) return;
-      LayerSample sample = sides[k].layers().samples[s];
-      sample.depth = sample.back = float(place->depth);
-      out.next.push_back(out.head[place->line]);
-      out.head[place->line] = std::uint32_t(out.samples.size());
-      out.samples.push_back(sample);
-      out.normals.push_back(sides[k].normal(s));
+      const LayerSample& sample = sides[k].layers().samples[s];
+      found.push_back(
+          {place->line,
+           float(place->depth),
+           {sample.color, sides[k].normal(s), sample.object, std::uint32_t(found.size())}});
+      ++out.first[place->line + 1];
     });
+  }
+  std::partial_sum(out.first.begin(), out.first.end(), out.first.begin());
+  std::vector<std::uint64_t> next(out.first.begin(), out.first.end() - 1);
+  std::vector<std::uint32_t> order(found.size());
+  for (const Found& one : found) order[next[one.line]++] = one.side.number;
+  out.depths.reserve(found.size()), out.sides.reserve(found.size());
+  for (std::size_t line = 0; line + 1 < out.first.size(); ++line) {
+    const auto begin = order.begin() + std::ptrdiff_t(out.first[line]),
+               end = order.begin() + std::ptrdiff_t(out.first[line + 1]);
+    std::sort(begin, end, [&](std::uint32_t a, std::uint32_t b) {
+      return found[a].depth != found[b].depth ? found[a].depth < found[b].depth : a < b;
+    });
+    for (auto at = begin; at != end; ++at)
+      out.depths.push_back(found[*at].depth), out.sides.push_back(found[*at].side);
   }
   return out;
 }
@@ -174,17 +201,31 @@ void color_as_outer(const LayeredDepthImage& to, const OuterSides& outer, const 
                     std::size_t line, double per_metre, LayerSample& sample) {
   const double reach = kOneSurface * largest_texel(to.camera);
   double least = reach * reach;
+  const glm::vec4* color = nullptr;
   each_line_around(to.camera, line, reach, [&](std::size_t beside, double aside) {
-    for (std::uint32_t k = outer.head[beside]; k != kNone; k = outer.next[k]) {
-      const LayerSample& other = outer.samples[k];
-      if (other.object != sample.object || glm::dot(outer.normals[k], normal) >= 0) continue;
-      const double deeper = double(other.depth - sample.depth) / per_metre;
-      const double off = aside + deeper * deeper;
-      if (off > least) continue;
-      least = off;
-      sample.color = other.color;
+    if (aside > least) return;
+    const auto deeper = [&](float depth) { return double(depth - sample.depth) / per_metre; };
+    const double before = -std::sqrt(least - aside) * (1 + 1e-9);  // rounding
+    const auto begin = outer.depths.begin() + std::ptrdiff_t(outer.first[beside]),
+               end = outer.depths.begin() + std::ptrdiff_t(outer.first[beside + 1]);
+    // Of equally near ones the first of the last line of sight counts.
+    std::uint32_t number = kNone;
+    for (auto at =
+             std::partition_point(begin, end, [&](float depth) { return deeper(depth) < before; });
+         at != end; ++at) {
+      const double off = aside + deeper(*at) * deeper(*at);
+      if (off > least) {
+        if (deeper(*at) > 0) break;
+        continue;
+      }
+      const OuterSides::Side& other = outer.sides[std::size_t(at - outer.depths.begin())];
+      if (other.object != sample.object || glm::dot(other.normal, normal) >= 0) continue;
+      if (off == least && number != kNone && other.number > number) continue;
+      least = off, number = other.number;
+      color = &other.color;
     }
   });
+  if (color) sample.color = *color;
 }
 
 // What a picture lacks, which others add to it.
