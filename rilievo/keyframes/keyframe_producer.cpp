@@ -27,6 +27,10 @@ constexpr double kNewestHoles = 0.1;
 constexpr double kTurning = 0.003, kTurningMargin = 1.2;
 // The most frames for a keyframe, or those of its interval if these are more.
 constexpr int kMostInterval = 32;
+// The interval where frames are allowed more time: something dearer draws them until two keyframes
+// are there. Half of what is usual: until there is a third one the eye is no farther from the
+// second one than it may be later.
+constexpr int kAllowedInterval = 8;
 // How many frames ahead an eye is predicted at most, for a source that takes long.
 constexpr int kMostAhead = 60;
 // Columns of a step of what is captured in parts: so few that a frame's time is kept well, also by
@@ -297,7 +301,9 @@ KeyframeProducer::Columns KeyframeProducer::columns_a_frame() const {
   };
   // No more than needed; but an eye soon is where a keyframe that takes too many frames shows
   // little.
-  const int most = of_frames(options_.interval), least = std::min(of_frames(kMostInterval), most);
+  const int most = of_frames(allowed_ms_ > 0 ? std::min(options_.interval, kAllowedInterval)
+                                             : options_.interval),
+            least = std::min(of_frames(kMostInterval), most);
   int expected = most;
   double a_frame = most;
   if (options_.keyframe_ms > 0 && ms_per_column_ > 0) {

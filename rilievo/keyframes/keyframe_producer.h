@@ -74,7 +74,8 @@ class KeyframeProducer {
   // Those that a frame of this eye would be warped from: no frame begins.
   [[nodiscard]] std::span<const WarpedKeyframe> choose_for(const Camera& eye);
   // Ends a frame of which holes took `holes_ms`: makes a part of a keyframe, which may take
-  // `allowed_ms` if that is more than it may anyway. Fails where the source does.
+  // `allowed_ms` if that is more than it may anyway; then a keyframe may take fewer frames than its
+  // interval. Fails where the source does.
   Result<> work(double holes_ms = 0, double allowed_ms = 0);
 
   // Objects of which the last frame's keyframes show nothing, ascending.

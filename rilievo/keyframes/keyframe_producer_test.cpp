@@ -247,6 +247,31 @@ TEST(KeyframeProducer, AKeyframeTakesAFewFramesHoweverLittleTimeThereIs) {
   EXPECT_GE(count_completed(4, 140), 2);
 }
 
+// In bands, and any time suffices: what counts is the least number of frames.
+TEST(KeyframeProducer, FramesThatAreAllowedMoreTimeMakeAKeyframeSooner) {
+  int took[2] = {};
+  for (const bool allowed : {false, true}) {
+    ProducerStage stage;
+    KeyframeProducer producer(stage.source, stage.source,
+                              {.samples = 1, .interval = 16, .keyframe_ms = 1e6});
+    const auto eye = [](int i) {
+      const glm::dvec3 at(0.01 * i, 1.7, 12);
+      return look_at(at, at + glm::dvec3(0, 0, -1), {0, 1, 0}, 0.3, 800, 40, 0.1, 200);
+    };
+    int& frames = took[allowed ? 1 : 0];
+    for (; !producer.has_two() && frames < 100; ++frames) {
+      (void)producer.follow(eye(frames), 0);
+      ASSERT_TRUE(producer.work(0, allowed ? 1e6 : 0));
+    }
+    ASSERT_TRUE(producer.has_two());
+  }
+  // Of two keyframes; the second frame does not know how fast the eye is, and the last one takes
+  // what the one before completed.
+  EXPECT_LE(took[0], 2 * 16 + 2);
+  EXPECT_LE(took[1], 2 * 8 + 2);
+  EXPECT_GE(took[1], 8);
+}
+
 // A source that takes until it is told to go on.
 class PatientSource final : public CaptureSource {
  public:
