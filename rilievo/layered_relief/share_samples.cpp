@@ -327,6 +327,13 @@ float share_of_viewers(float faces) {
   return std::clamp(0.5f * (1 + slope), 0.0f, 1.0f);
 }
 
+// The cosine between the way towards the viewers and a normal: that which several samples say, as
+// that of one alone errs, and shares of sides would differ from sample to sample.
+float facing(const glm::vec3& sum, const glm::vec3& own, const glm::vec3& forward) {
+  const float length = glm::length(sum);
+  return -glm::dot(length > 0 ? sum / length : own, forward);
+}
+
 // Is `other` seen beside `of`, on the same side of one surface?
 bool same_side(const Known& of, const Known& other) {
   if (other.inner || !other.sure || other.sample.object != of.sample.object) return false;
@@ -358,6 +365,7 @@ void mix_sources(const LayeredDepthImage& layers, const std::vector<Known>& know
     for (std::uint64_t s = layers.first[line]; s < layers.first[line + 1]; ++s) {
       const Known& of = known[s];
       opinions.clear(), others.clear();
+      glm::vec3 normal(0);  // what all of them say of it
       const double reach = (of.sheet ? kOneSheet : kOneSurface) * texel;
       const float along = float(reach * per_metre);
       each_line_around(layers.camera, line, reach, [&](std::size_t beside, double aside) {
@@ -369,15 +377,16 @@ void mix_sources(const LayeredDepthImage& layers, const std::vector<Known>& know
           if (aside + deeper * deeper > reach * reach) continue;
           const Known& other = known[std::size_t(at - depths.begin())];
           if (same_side(of, other))
-            opinions.add(other);
+            opinions.add(other), normal += other.normal;
           else if (other_side(of, other))
-            others.add(other);
+            others.add(other), normal -= other.normal;
         }
       });
       glm::vec3 color(out[s].color);
       if (opinions.size() >= (of.inner || !of.sure ? 1u : 2u)) color = opinions.mean();
       if (others.size() > 0)
-        color = glm::mix(others.mean(), color, share_of_viewers(-glm::dot(of.normal, forward)));
+        color =
+            glm::mix(others.mean(), color, share_of_viewers(facing(normal, of.normal, forward)));
       out[s].color = glm::vec4(color, out[s].color.a);
     }
 }
