@@ -35,7 +35,9 @@ void CheaperWay::add(double ms, double guess_ms, bool ready) {
     if (!returning_) polygons_ms_.add(ms);
     if (returning_ && ready) {
       polygons_ = returning_ = false, since_try_ = 0;
-      looks_ = true, keyframes_ms_.forget();
+      // Polygons that were only drawn beside keyframes were not measured.
+      looks_ = polygons_ms_.count() > 0;
+      if (looks_) keyframes_ms_.forget();
     } else if (++by_polygons_ >= frames_to_return_ ||
                keyframes_ms_.median() < kCheaper * polygons_ms_.median()) {
       returning_ = true;
@@ -44,8 +46,8 @@ void CheaperWay::add(double ms, double guess_ms, bool ready) {
   }
   if (trying_) {
     trying_ = false, since_try_ = 0;
-    if (ms >= kCheaper * keyframes_ms_.median()) return;
     polygons_ms_.forget(), polygons_ms_.add(ms);
+    if (ms > keyframes_ms_.median()) return;
     frames_to_return_ = kFramesToReturn;
     go_by_polygons();
     return;
@@ -53,7 +55,7 @@ void CheaperWay::add(double ms, double guess_ms, bool ready) {
   keyframes_ms_.add(ms);
   if (looks_ && keyframes_ms_.count() >= kLook) {
     looks_ = false;
-    if (polygons_ms_.median() < kCheaper * keyframes_ms_.median()) {
+    if (polygons_ms_.median() <= keyframes_ms_.median()) {
       frames_to_return_ = std::min(2 * frames_to_return_, kMostToReturn);
       go_by_polygons();
       return;
@@ -62,6 +64,15 @@ void CheaperWay::add(double ms, double guess_ms, bool ready) {
   ++since_try_;
   trying_ =
       since_try_ >= kFramesToTry && guess_ms > 0 && guess_ms < kMayTry * keyframes_ms_.median();
+}
+
+bool CheaperWay::leave_keyframes(double guess_ms) {
+  const double usual_ms = keyframes_ms_.median();
+  const double ms = polygons_ms_.count() > 0 ? polygons_ms_.median() : guess_ms;
+  if (usual_ms == 0 || ms == 0 || ms > kMayTakeInstead * usual_ms) return false;
+  polygons_ = returning_ = true;
+  trying_ = looks_ = false, by_polygons_ = 0;
+  return true;
 }
 
 }  // namespace rilievo

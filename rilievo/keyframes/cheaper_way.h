@@ -5,6 +5,10 @@
 // where it may be less, one frame is drawn by polygons, which is as right as any. Back from
 // polygons the eye needs two keyframes: these are made beside some more frames of polygons.
 //
+// Where keyframes fail a frame, as near things pass the eye, one more that is made for it at once
+// takes longer than frames do, and the next frame may need another: polygons that take about as
+// long as usual frames are drawn instead, until there are keyframes again.
+//
 // Other programs may slow some frames down, and what was measured of the way that is not gone does
 // not change. So a time is the median of the last frames, and no decision is for ever: what
 // keyframes take is looked at again after some frames, and after twice as many each time that
@@ -19,12 +23,15 @@ namespace rilievo {
 // Decides frame by frame.
 class CheaperWay {
  public:
-  // Polygons must take less than this share of keyframes' time, and keyframes less than this share
-  // of polygons', to be gone instead: a way that changes back and forth costs more than either.
-  static constexpr double kCheaper = 0.9;
-  // Frames from one that tries polygons to the next, and how much more they may take by the guess.
-  static constexpr int kFramesToTry = 60;
+  // Keyframes must take less than this share of polygons' time to be gone instead: a way that
+  // changes back and forth costs more than either. Polygons, which are exact, only as much.
+  static constexpr double kCheaper = 0.85;
+  // Frames from one that tries polygons to the next, how many fewer they are at first, and how much
+  // more polygons may take by the guess.
+  static constexpr int kFramesToTry = 60, kFewerAtFirst = 45;
   static constexpr double kMayTry = 1.6;
+  // How many times as long as frames of keyframes those may take that are drawn where these fail.
+  static constexpr double kMayTakeInstead = 1.25;
   // Frames of polygons until keyframes are made again to be looked at: at first, and at most. That
   // takes some dozen frames longer.
   static constexpr int kFramesToReturn = 120, kMostToReturn = 1920;
@@ -42,6 +49,10 @@ class CheaperWay {
   // A frame was drawn that way in `ms`. `guess_ms`: what polygons would take, by keyframes; 0:
   // unknown. `ready`: there are keyframes to go on with.
   void add(double ms, double guess_ms, bool ready);
+
+  // Keyframes fail this frame. Is it drawn by polygons instead, as the next ones are until there
+  // are keyframes to go on with? `guess_ms`: as add()'s.
+  [[nodiscard]] bool leave_keyframes(double guess_ms);
 
  private:
   // The median of the last frames.
@@ -63,7 +74,7 @@ class CheaperWay {
 
   bool polygons_ = false, trying_ = false, returning_ = false;
   bool looks_ = false;  // keyframes are drawn again, and may have to be left at once
-  int since_try_ = 0, frames_ = 0;
+  int since_try_ = kFewerAtFirst, frames_ = 0;
   int by_polygons_ = 0, frames_to_return_ = kFramesToReturn;
   Recent keyframes_ms_, polygons_ms_;
 };

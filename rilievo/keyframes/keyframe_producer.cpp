@@ -385,19 +385,20 @@ Result<> KeyframeProducer::work(double holes_ms, double allowed_ms) {
     const Camera eye = prediction_.after(2 * columns.frames);
     if (!prediction_.speed_known() || has_one_of(eye)) return Done{};
     begin(eye);
-    made_ms_ = 0, made_columns_ = 0, made_frames_ = 0;
+    made_ms_ = made_visibility_ms_ = 0, made_columns_ = 0, made_frames_ = 0;
   }
+  const bool shaded = maker_.shades();
   const Result<int> made = step(columns, watch);
   if (!made) return made.error();
   const double ms = watch.ms();
   done_.ms += ms;
-  note_cost(ms, *made);
+  note_cost(ms, *made, shaded ? 0 : ms);
   if (!maker_.busy()) complete_ = true, ++done_.completed;
   return Done{};
 }
 
-void KeyframeProducer::note_cost(double ms, int columns) {
-  made_ms_ += ms, made_columns_ += columns;
+void KeyframeProducer::note_cost(double ms, int columns, double visibility_ms) {
+  made_ms_ += ms, made_columns_ += columns, made_visibility_ms_ += visibility_ms;
   if (made_columns_ == 0) return;
   if (!measured_ || (maker_.in_parts() && !maker_.busy()))
     // What is visible is found first, and shaded then: only the whole says what a column takes.
@@ -405,8 +406,19 @@ void KeyframeProducer::note_cost(double ms, int columns) {
   else if (!maker_.in_parts())
     ms_per_column_ += (ms / columns - ms_per_column_) * kNewestCost;
   measured_ = measured_ || !maker_.busy();
-  const int height = camera_with(frame_, margin()).height;
-  ms_per_texel_ = ms_per_column_ / height;
+  if (maker_.busy()) return;
+  visibility_ms_ = made_visibility_ms_, shading_ms_ = made_ms_ - made_visibility_ms_;
+}
+
+// What is visible takes a source as long for a frame's samples as for a keyframe's quarters, of
+// what is in view. But each quarter is shaded by itself, and of most pixels one sample.
+double KeyframeProducer::frame_ms() const {
+  if (visibility_ms_ + shading_ms_ == 0) return 0;
+  const Camera key = camera_with(frame_, margin());
+  const double pixels = double(frame_.width) * frame_.height;
+  const double texels = double(key.width) * key.height;
+  const int shaded = makes_quarters(options_.samples, options_.whole_texels) ? 4 : 1;
+  return visibility_ms_ * std::sqrt(pixels / texels) + shading_ms_ * pixels / (texels * shaded);
 }
 
 }  // namespace rilievo

@@ -89,8 +89,9 @@ class KeyframeProducer {
   void forget();
   // Has it two keyframes that are not coarse?
   [[nodiscard]] bool has_two() const;
-  // What a texel of a keyframe took, as measured: the mean, in ms; 0: none was made.
-  [[nodiscard]] double ms_per_texel() const { return ms_per_texel_; }
+  // What a frame as the last one would take if the source drew it, by what the last keyframe took:
+  // some ms, rather too many than too few; 0: none is known.
+  [[nodiscard]] double frame_ms() const;
   // The memory of keyframes.
   [[nodiscard]] std::size_t bytes() const;
   [[nodiscard]] KeyframeWork take_work();
@@ -122,7 +123,7 @@ class KeyframeProducer {
   [[nodiscard]] Columns columns_a_frame() const;
   [[nodiscard]] double ms_a_frame() const;
   Result<int> step(const Columns& columns, const Stopwatch& watch);
-  void note_cost(double ms, int columns);
+  void note_cost(double ms, int columns, double visibility_ms);
 
   CaptureSource &source_, &quick_;
   KeyframeOptions options_;
@@ -137,10 +138,12 @@ class KeyframeProducer {
   KeyframeMaker maker_;
   bool complete_ = false;  // what is made: it is used from the next frame on
   std::vector<WarpedKeyframe> chosen_;
-  double ms_per_column_ = 0, ms_per_texel_ = 0;
-  double holes_ms_ = 0;    // of the last frames
-  double allowed_ms_ = 0;  // of this frame
-  double made_ms_ = 0;     // of the keyframe that is being made
+  double ms_per_column_ = 0;
+  double visibility_ms_ = 0, shading_ms_ = 0;  // of the last keyframe
+  double holes_ms_ = 0;                        // of the last frames
+  double allowed_ms_ = 0;                      // of this frame
+  // Of the keyframe that is being made; and those to find what is visible.
+  double made_ms_ = 0, made_visibility_ms_ = 0;
   int made_columns_ = 0, made_frames_ = 0;
   bool measured_ = false;  // was one completed?
   KeyframeWork done_;

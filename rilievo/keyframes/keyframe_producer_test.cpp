@@ -320,5 +320,27 @@ TEST(KeyframeProducer, FramesDoNotWaitForASourceBesideThem) {
   EXPECT_GT(producer.chosen()[1].weight, producer.chosen()[0].weight);
 }
 
+// It has fewer texels, and shades one where a keyframe shades four.
+TEST(KeyframeProducer, AFrameAtOnceTakesLessThanAKeyframe) {
+  ProducerStage stage;
+  KeyframeOptions options;
+  for (const double limit_ms : {0.0, 0.5}) {  // in bands, and in parts
+    options.keyframe_ms = limit_ms;
+    KeyframeProducer producer(stage.source, stage.source, options);
+    EXPECT_TRUE(producer.follow(ProducerStage::eye(0), 0).empty());
+    EXPECT_EQ(producer.frame_ms(), 0);
+    ASSERT_TRUE(producer.make_now());
+    (void)producer.take_work();
+    double ms = 0;
+    for (int i = 1; producer.frame_ms() == 0 && i < 100; ++i) {
+      (void)producer.follow(ProducerStage::eye(0.02 * i), 0);
+      ASSERT_TRUE(producer.work());
+      ms += producer.take_work().ms;
+    }
+    EXPECT_GT(producer.frame_ms(), 0);
+    EXPECT_LT(producer.frame_ms(), ms);
+  }
+}
+
 }  // namespace
 }  // namespace rilievo

@@ -114,7 +114,7 @@ void KeyframeMaker::begin(const KeyframeRequest& request, Keyframe reuse) {
   resize(keyframe_, request.camera, makes_quarters(request.samples, request.whole_texels));
   keyframe_.coarse = request.coarse, keyframe_.sharp = request.sharp;
   keyframe_.left_out.assign(request.left_out.begin(), request.left_out.end());
-  next_ = 0, started_ = by_parts_ = false;
+  next_ = 0, started_ = by_parts_ = shades_ = false;
 }
 
 bool KeyframeMaker::takes_parts(CaptureSource& source) {
@@ -153,6 +153,7 @@ void KeyframeMaker::step_of_parts(int columns) {
   const bool last = next_ + columns >= width;
   // Of the last step more than is left.
   const int readable = parts_->advance(last ? 2 : double(columns) / width);
+  shades_ = readable > 0;
   next_ = std::min(next_ + columns, width);
   const int read = band_.first + band_.rows;
   if (readable - read < kLeastRows && !last) return;

@@ -90,6 +90,8 @@ class KeyframeMaker {
   [[nodiscard]] bool in_parts() const { return by_parts_; }
   // Is it to be, by this source? Where that is too large, it is not, after all.
   [[nodiscard]] bool takes_parts(CaptureSource& source);
+  // Captured in parts: is all known that is visible, so that what is left is shading?
+  [[nodiscard]] bool shades() const { return shades_; }
 
  private:
   [[nodiscard]] bool smooth() const;
@@ -108,6 +110,7 @@ class KeyframeMaker {
   std::unique_ptr<PictureInParts> parts_;  // null: parts_of_ has none
   bool started_ = false;                   // start() or step() was called for this keyframe
   bool by_parts_ = false;                  // this keyframe is captured in parts
+  bool shades_ = false;                    // and some of its rows can be read
   int rows_ = 0, ranges_ = 0;              // rows of texels that are complete, and with ranges
 };
 

@@ -174,13 +174,19 @@ void KeyframeFrames::State::divide_view(bool any_keyframes) {
   }
 }
 
+// Warps the frame, unless polygons are drawn instead: see `warps`.
 Result<> KeyframeFrames::State::warp(double time) {
   std::span<const WarpedKeyframe> from = producer->follow(camera, time);
   const double most = options.most_filled * camera.width * camera.height;
   if (!from.empty()) {
     if (Result<> done = warp_from(from); !done) return done;
   }
-  if (from.empty() || double(find_holes()) > most) {
+  const bool fails = from.empty() || double(find_holes()) > most;
+  if (fails && !from.empty() && cheaper && cheaper->leave_keyframes(producer->frame_ms())) {
+    warps = false;
+    return Done{};
+  }
+  if (fails) {
     take_memory();
     Result<std::span<const WarpedKeyframe>> made = producer->make_now();
     if (!made) return made.error();
@@ -281,7 +287,7 @@ Result<std::unique_ptr<KeyframeFrames>> KeyframeFrames::create(
 Result<> KeyframeFrames::draw(const Camera& camera, double time) {
   State& s = *state_;
   const Stopwatch all;
-  const CheaperWay::Way way = s.cheaper ? s.cheaper->next() : CheaperWay::Way::keyframes;
+  CheaperWay::Way way = s.cheaper ? s.cheaper->next() : CheaperWay::Way::keyframes;
   s.warps = s.any_still && way == CheaperWay::Way::keyframes;
   s.camera = camera;
   s.placed.set_time(time);
@@ -290,9 +296,13 @@ Result<> KeyframeFrames::draw(const Camera& camera, double time) {
   if (s.target.width() != camera.width || s.target.height() != camera.height)
     s.target = SoftwareTarget(camera.width, camera.height, s.options.samples);
   s.drawers.clear();
-  s.shares.direct = s.any_still && !s.warps;
+  const bool followed = s.warps;
   if (s.warps) {
     if (Result<> done = s.warp(time); !done) return done;
+    if (!s.warps) way = CheaperWay::Way::both;
+  }
+  s.shares.direct = s.any_still && !s.warps;
+  if (s.warps) {
     const Stopwatch watch;
     s.keyframe_tiles.place(s.options.samples, s.still);
     s.shares.fill_ms += watch.ms();
@@ -318,7 +328,7 @@ Result<> KeyframeFrames::draw(const Camera& camera, double time) {
     // Beside polygons nobody asked for the keyframes at hand.
     if (!s.warps) {
       if (!s.making_beside) s.producer->forget();
-      (void)s.producer->follow(camera, time);
+      if (!followed) (void)s.producer->follow(camera, time);
     }
     if (Result<> done = s.producer->work(s.shares.fill_ms); !done) return done;
   }
@@ -344,8 +354,7 @@ Result<> KeyframeFrames::draw(const Camera& camera, double time) {
   s.stats.by_kind.clear();
   s.stats.by_kind.emplace_back("keyframe", s.warps ? int(s.producer->chosen().size()) : 0);
   if (s.cheaper) {
-    const double pixels = double(camera.width) * camera.height;
-    s.cheaper->add(all.ms(), s.producer->ms_per_texel() * pixels, s.producer->has_two());
+    s.cheaper->add(all.ms(), s.producer->frame_ms(), s.producer->has_two());
   }
   return Done{};
 }
