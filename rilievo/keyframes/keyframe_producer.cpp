@@ -289,7 +289,9 @@ Result<std::span<const WarpedKeyframe>> KeyframeProducer::make_now() {
 // With twice the time a keyframe comes twice as soon, and frames have half as many holes: both
 // together take the least if they take the same.
 double KeyframeProducer::ms_a_frame() const {
-  return std::max({options_.keyframe_ms, holes_ms_, allowed_ms_});
+  // What is made at once says nothing of those that come then.
+  const double allowed_ms = allowed_ms_ == kAtOnce ? 0 : allowed_ms_;
+  return std::max({options_.keyframe_ms, holes_ms_, allowed_ms});
 }
 
 KeyframeProducer::Columns KeyframeProducer::columns_a_frame() const {
@@ -301,8 +303,9 @@ KeyframeProducer::Columns KeyframeProducer::columns_a_frame() const {
   };
   // No more than needed; but an eye soon is where a keyframe that takes too many frames shows
   // little.
-  const int most = of_frames(allowed_ms_ > 0 ? std::min(options_.interval, kAllowedInterval)
-                                             : options_.interval),
+  const bool allowed = allowed_ms_ > 0 && allowed_ms_ != kAtOnce;
+  const int most = of_frames(allowed ? std::min(options_.interval, kAllowedInterval)
+                                     : options_.interval),
             least = std::min(of_frames(kMostInterval), most);
   int expected = most;
   double a_frame = most;
@@ -311,7 +314,9 @@ KeyframeProducer::Columns KeyframeProducer::columns_a_frame() const {
     expected = std::clamp(int(in_time) / kBand * kBand, least, most);
     a_frame = maker_.in_parts() ? std::clamp(in_time, double(least), double(most)) : expected;
   }
-  return {least, most, expected, std::ceil(width / a_frame)};
+  const double frames = std::ceil(width / a_frame);
+  if (allowed_ms_ == kAtOnce) return {least, width, width, frames};
+  return {least, most, expected, frames};
 }
 
 Result<> KeyframeProducer::work_beside() {
@@ -357,7 +362,8 @@ Result<int> KeyframeProducer::step(const Columns& columns, const Stopwatch& watc
   // Parts of a keyframe take different times: what counts is that all of it takes not too many
   // frames, by what the last one took. Of one that takes more, each frame makes its share.
   const double whole_ms = measured_ ? ms_per_column_ * maker_.camera().width : 0;
-  const double wanted_ms = std::max(ms_a_frame(), whole_ms / kMostInterval);
+  const double wanted_ms =
+      allowed_ms_ == kAtOnce ? kAtOnce : std::max(ms_a_frame(), whole_ms / kMostInterval);
   // To start takes as long as several parts.
   const int least = made_frames_ == 0 ? 0 : made_frames_ < kMostInterval ? 1 : columns.least;
   ++made_frames_;
@@ -373,6 +379,13 @@ Result<int> KeyframeProducer::step(const Columns& columns, const Stopwatch& watc
   return done();
 }
 
+// Of what is made at once the first one is for the eye as it is, and the second one for where it
+// will be when a third one is complete.
+double KeyframeProducer::frames_ahead(const Columns& columns) const {
+  if (allowed_ms_ == kAtOnce) return any() ? columns.frames : 0;
+  return 2 * columns.frames;
+}
+
 Result<> KeyframeProducer::work(double holes_ms, double allowed_ms) {
   if (options_.beside) return work_beside();
   allowed_ms_ = allowed_ms;
@@ -382,7 +395,7 @@ Result<> KeyframeProducer::work(double holes_ms, double allowed_ms) {
     keep_memory(maker_.give_up());
   const Stopwatch watch;
   if (!maker_.busy()) {
-    const Camera eye = prediction_.after(2 * columns.frames);
+    const Camera eye = prediction_.after(frames_ahead(columns));
     if (!prediction_.speed_known() || has_one_of(eye)) return Done{};
     begin(eye);
     made_ms_ = made_visibility_ms_ = 0, made_columns_ = 0, made_frames_ = 0;

@@ -14,6 +14,7 @@
 #pragma once
 
 #include <atomic>
+#include <cmath>
 #include <optional>
 #include <span>
 #include <stop_token>
@@ -75,7 +76,8 @@ class KeyframeProducer {
   [[nodiscard]] std::span<const WarpedKeyframe> choose_for(const Camera& eye);
   // Ends a frame of which holes took `holes_ms`: makes a part of a keyframe, which may take
   // `allowed_ms` if that is more than it may anyway; then a keyframe may take fewer frames than its
-  // interval. Fails where the source does.
+  // interval, and with kAtOnce it takes one. Fails where the source does.
+  static constexpr double kAtOnce = HUGE_VAL;
   Result<> work(double holes_ms = 0, double allowed_ms = 0);
 
   // Objects of which the last frame's keyframes show nothing, ascending.
@@ -121,6 +123,7 @@ class KeyframeProducer {
     double frames;
   };
   [[nodiscard]] Columns columns_a_frame() const;
+  [[nodiscard]] double frames_ahead(const Columns& columns) const;
   [[nodiscard]] double ms_a_frame() const;
   Result<int> step(const Columns& columns, const Stopwatch& watch);
   void note_cost(double ms, int columns, double visibility_ms);

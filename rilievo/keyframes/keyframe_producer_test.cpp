@@ -272,6 +272,34 @@ TEST(KeyframeProducer, FramesThatAreAllowedMoreTimeMakeAKeyframeSooner) {
   EXPECT_GE(took[1], 8);
 }
 
+// The first one for the eye as it is, the second one for where it will be.
+TEST(KeyframeProducer, AKeyframeAtOnceTakesOneFrame) {
+  for (const double limit_ms : {0.0, 0.5}) {  // in bands, and in parts
+    ProducerStage stage;
+    KeyframeProducer producer(stage.source, stage.source, {.keyframe_ms = limit_ms});
+    for (int i = 0; i < 3; ++i) (void)producer.follow(ProducerStage::eye(0.02 * i), 0);
+    ASSERT_TRUE(producer.work(0, KeyframeProducer::kAtOnce));
+    EXPECT_EQ(producer.take_work().completed, 1);
+    (void)producer.follow(ProducerStage::eye(0.06), 0);
+    ASSERT_EQ(producer.chosen().size(), 1u);
+    EXPECT_NEAR(producer.chosen()[0].keyframe->camera.position().x, 0.04, 1e-9);
+    ASSERT_TRUE(producer.work(0, KeyframeProducer::kAtOnce));
+    EXPECT_EQ(producer.take_work().completed, 1);
+    (void)producer.follow(ProducerStage::eye(0.08), 0);
+    EXPECT_TRUE(producer.has_two());
+    const double ahead = producer.frames_for_one();
+    EXPECT_EQ(ahead, 8);  // of 16 columns each
+    ASSERT_EQ(producer.chosen().size(), 2u);
+    double farthest = 0;
+    for (const WarpedKeyframe& one : producer.chosen())
+      farthest = std::max(farthest, one.keyframe->camera.position().x);
+    EXPECT_NEAR(farthest, 0.06 + 0.02 * ahead, 1e-9);
+    // Then one takes some frames again.
+    ASSERT_TRUE(producer.work());
+    EXPECT_EQ(producer.take_work().completed, 0);
+  }
+}
+
 // A source that takes until it is told to go on.
 class PatientSource final : public CaptureSource {
  public:

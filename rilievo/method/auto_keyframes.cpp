@@ -20,6 +20,8 @@ constexpr int kLooks = 8;
 // A frame and what it makes of keyframes take so many times the usual time; and so much they make
 // in a frame that takes that alone.
 constexpr double kWithKeyframes = 1.4, kLeastForKeyframes = 0.15;
+// Keyframes take so little of a usual frame: two dozen usual ones would be slower than a walk.
+constexpr double kFarLess = 1 / 3.0;
 
 }  // namespace
 
@@ -84,7 +86,8 @@ void follow_way(const EyePrediction& eye, double time, KeyframeFrames& frames) {
     if (before < 0) frames.follow(eye.after(before), time);
 }
 
-double time_for_keyframes(double ms, double usual_ms) {
+double time_for_keyframes(double ms, double usual_ms, double keyframes_ms) {
+  if (keyframes_ms < kFarLess * usual_ms) return KeyframeProducer::kAtOnce;
   return std::max(kWithKeyframes * usual_ms - ms, kLeastForKeyframes * usual_ms);
 }
 

@@ -84,7 +84,8 @@ void AutoFrames::make_part(const Camera& camera, double time, double ms) {
   // After a jump they are of elsewhere.
   if (eye_.jumped()) made_.first_seen = made_.followed = false;
   if (!std::exchange(made_.followed, true)) follow_way(eye_, time, frames);
-  if (!frames.prepare(camera, time, eye_.jumped(), time_for_keyframes(ms, usual_ms))) {
+  const double part_ms = time_for_keyframes(ms, usual_ms, outlook_[kKeyframes].guess_ms);
+  if (!frames.prepare(camera, time, eye_.jumped(), part_ms)) {
     made_.failed = true, stage_ = Preparing::made;
   } else if (frames.prepared()) {
     stage_ = Preparing::shown;
