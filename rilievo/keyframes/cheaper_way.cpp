@@ -39,7 +39,8 @@ void CheaperWay::add(double ms, double guess_ms, bool ready) {
       looks_ = polygons_ms_.count() > 0;
       if (looks_) keyframes_ms_.forget();
     } else if (++by_polygons_ >= frames_to_return_ ||
-               keyframes_ms_.median() < kCheaper * polygons_ms_.median()) {
+               (keyframes_ms_.count() > 0 &&
+                keyframes_ms_.median() < kCheaper * polygons_ms_.median())) {
       returning_ = true;
     }
     return;
@@ -69,9 +70,15 @@ void CheaperWay::add(double ms, double guess_ms, bool ready) {
 bool CheaperWay::leave_keyframes(double guess_ms) {
   const double usual_ms = keyframes_ms_.median();
   const double ms = polygons_ms_.count() > 0 ? polygons_ms_.median() : guess_ms;
+  if (looks_) {
+    // They were made again, and of no use.
+    frames_to_return_ = std::min(2 * frames_to_return_, kMostToReturn);
+    go_by_polygons();
+    return true;
+  }
   if (usual_ms == 0 || ms == 0 || ms > kMayTakeInstead * usual_ms) return false;
-  polygons_ = returning_ = true;
-  trying_ = looks_ = false, by_polygons_ = 0;
+  go_by_polygons();
+  returning_ = true, trying_ = false;
   return true;
 }
 

@@ -50,8 +50,8 @@ class CheaperWay {
   // unknown. `ready`: there are keyframes to go on with.
   void add(double ms, double guess_ms, bool ready);
 
-  // Keyframes fail this frame. Is it drawn by polygons instead, as the next ones are until there
-  // are keyframes to go on with? `guess_ms`: as add()'s.
+  // Keyframes fail this frame, for which next() told them. Is it drawn by polygons instead, as
+  // next() tells now, until there are others to go on with? `guess_ms`: as add()'s.
   [[nodiscard]] bool leave_keyframes(double guess_ms);
 
  private:

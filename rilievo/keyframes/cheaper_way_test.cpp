@@ -94,6 +94,20 @@ TEST(CheaperWay, PolygonsAreDrawnWhereKeyframesFail) {
   EXPECT_EQ(walk.way.next(), CheaperWay::Way::keyframes);
 }
 
+TEST(CheaperWay, KeyframesThatAreMadeAgainAndFailAreLeftAtOnce) {
+  WayWalk walk;
+  int i = 0;
+  walk.go(100, 20, 10);
+  while (walk.way.next() != CheaperWay::Way::both && i++ < 1000) walk.go(1, 20, 10);
+  while (walk.way.next() == CheaperWay::Way::both && i++ < 1000) walk.go(1, 20, 10);
+  ASSERT_EQ(walk.way.next(), CheaperWay::Way::keyframes);
+  EXPECT_TRUE(walk.way.leave_keyframes(10));
+  for (int k = 0; k < 2 * CheaperWay::kFramesToReturn - 1; ++k) {
+    ASSERT_EQ(walk.way.next(), CheaperWay::Way::polygons) << k;
+    walk.go(1, 20, 10);
+  }
+}
+
 TEST(CheaperWay, PolygonsThatCostSomewhatMoreAreTriedOnceASecond) {
   WayWalk walk;
   walk.go(630, 20, 22);

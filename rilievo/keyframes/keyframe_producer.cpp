@@ -150,7 +150,6 @@ void KeyframeProducer::forget() {
   if (maker_.busy() || std::exchange(complete_, false)) keep_memory(maker_.give_up());
   for (Keyframe& key : ready_) keep_memory(std::move(key));
   ready_.clear(), chosen_.clear(), left_out_.clear(), also_hidden_.clear();
-  if (spare_.size() > kSpare) spare_.resize(kSpare);
 }
 
 bool KeyframeProducer::has_two() const {

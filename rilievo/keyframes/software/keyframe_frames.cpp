@@ -299,7 +299,7 @@ Result<> KeyframeFrames::draw(const Camera& camera, double time) {
   const bool followed = s.warps;
   if (s.warps) {
     if (Result<> done = s.warp(time); !done) return done;
-    if (!s.warps) way = CheaperWay::Way::both;
+    if (!s.warps) way = s.cheaper->next();
   }
   s.shares.direct = s.any_still && !s.warps;
   if (s.warps) {
