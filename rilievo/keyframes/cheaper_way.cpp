@@ -28,16 +28,18 @@ void CheaperWay::go_by_polygons() {
   polygons_ = true, returning_ = looks_ = false, by_polygons_ = 0;
 }
 
+void CheaperWay::add_polygons(double ms, double guess_ms) {
+  polygons_ms_.add(ms);
+  guessed_ms_ = guess_ms;
+}
+
 void CheaperWay::add(double ms, double guess_ms, bool ready) {
   if (++frames_ <= kFirstFrames) return;
   if (polygons_) {
-    // What making keyframes takes beside is not the polygons'.
-    if (!returning_) polygons_ms_.add(ms);
+    add_polygons(ms, guess_ms);
     if (returning_ && ready) {
       polygons_ = returning_ = false, since_try_ = 0;
-      // Polygons that were only drawn beside keyframes were not measured.
-      looks_ = polygons_ms_.count() > 0;
-      if (looks_) keyframes_ms_.forget();
+      looks_ = true, keyframes_ms_.forget();
     } else if (++by_polygons_ >= frames_to_return_ ||
                (keyframes_ms_.count() > 0 &&
                 keyframes_ms_.median() < kCheaper * polygons_ms_.median())) {
@@ -47,7 +49,8 @@ void CheaperWay::add(double ms, double guess_ms, bool ready) {
   }
   if (trying_) {
     trying_ = false, since_try_ = 0;
-    polygons_ms_.forget(), polygons_ms_.add(ms);
+    polygons_ms_.forget();
+    add_polygons(ms, guess_ms);
     if (ms > keyframes_ms_.median()) return;
     frames_to_return_ = kFramesToReturn;
     go_by_polygons();
@@ -69,7 +72,10 @@ void CheaperWay::add(double ms, double guess_ms, bool ready) {
 
 bool CheaperWay::leave_keyframes(double guess_ms) {
   const double usual_ms = keyframes_ms_.median();
-  const double ms = polygons_ms_.count() > 0 ? polygons_ms_.median() : guess_ms;
+  // What was measured some time ago has become dearer as its guess has.
+  double ms = guess_ms;
+  if (polygons_ms_.count() > 0)
+    ms = polygons_ms_.median() * (guessed_ms_ > 0 && guess_ms > 0 ? guess_ms / guessed_ms_ : 1);
   if (looks_) {
     // They were made again, and of no use.
     frames_to_return_ = std::min(2 * frames_to_return_, kMostToReturn);

@@ -46,8 +46,8 @@ class CheaperWay {
   };
   [[nodiscard]] Way next() const;
 
-  // A frame was drawn that way in `ms`. `guess_ms`: what polygons would take, by keyframes; 0:
-  // unknown. `ready`: there are keyframes to go on with.
+  // A frame was drawn that way in `ms`, without what is made beside polygons. `guess_ms`: what
+  // polygons would take, by keyframes; 0: unknown. `ready`: there are keyframes to go on with.
   void add(double ms, double guess_ms, bool ready);
 
   // Keyframes fail this frame, for which next() told them. Is it drawn by polygons instead, as
@@ -70,6 +70,7 @@ class CheaperWay {
     int count_ = 0;
   };
 
+  void add_polygons(double ms, double guess_ms);
   void go_by_polygons();
 
   bool polygons_ = false, trying_ = false, returning_ = false;
@@ -77,6 +78,7 @@ class CheaperWay {
   int since_try_ = kFewerAtFirst, frames_ = 0;
   int by_polygons_ = 0, frames_to_return_ = kFramesToReturn;
   Recent keyframes_ms_, polygons_ms_;
+  double guessed_ms_ = 0;  // of the last frame of polygons
 };
 
 }  // namespace rilievo

@@ -157,6 +157,10 @@ bool KeyframeProducer::has_two() const {
                        [](const Keyframe& key) { return !key.coarse; }) >= 2;
 }
 
+bool KeyframeProducer::has_all() const {
+  return has_two() || (any() && stands_at(frame_) && has_one_of(frame_));
+}
+
 KeyframeMargin KeyframeProducer::margin() const {
   const auto along = [&](double turning) {
     return options_.margin * (turning >= kTurning ? kTurningMargin : 1.0);
@@ -314,7 +318,11 @@ KeyframeProducer::Columns KeyframeProducer::columns_a_frame() const {
     a_frame = maker_.in_parts() ? std::clamp(in_time, double(least), double(most)) : expected;
   }
   const double frames = std::ceil(width / a_frame);
-  if (allowed_ms_ == kAtOnce) return {least, width, width, frames};
+  if (allowed_ms_ == kAtOnce) {
+    // One that was begun may be wider.
+    const int all = std::max(width, maker_.busy() ? maker_.columns_left() : 0);
+    return {least, all, all, frames};
+  }
   return {least, most, expected, frames};
 }
 

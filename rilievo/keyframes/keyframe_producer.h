@@ -91,6 +91,8 @@ class KeyframeProducer {
   void forget();
   // Has it two keyframes that are not coarse?
   [[nodiscard]] bool has_two() const;
+  // Is there nothing to wait for: has it two, or the one that an eye gets that stands?
+  [[nodiscard]] bool has_all() const;
   // What a frame as the last one would take if the source drew it, by what the last keyframe took:
   // some ms, rather too many than too few; 0: none is known.
   [[nodiscard]] double frame_ms() const;

@@ -272,6 +272,21 @@ TEST(KeyframeProducer, FramesThatAreAllowedMoreTimeMakeAKeyframeSooner) {
   EXPECT_GE(took[1], 8);
 }
 
+// There is no second one.
+TEST(KeyframeProducer, AnEyeThatStandsHasAllWithOne) {
+  ProducerStage stage;
+  KeyframeProducer producer(stage.source, stage.source, {});
+  int frames = 0;
+  for (; !producer.has_all() && frames < 100; ++frames) {
+    (void)producer.follow(ProducerStage::eye(0), 0);
+    ASSERT_TRUE(producer.work());
+  }
+  EXPECT_LT(frames, 20);
+  EXPECT_FALSE(producer.has_two());
+  (void)producer.follow(ProducerStage::eye(0.1), 0);
+  EXPECT_FALSE(producer.has_all());
+}
+
 // The first one for the eye as it is, the second one for where it will be.
 TEST(KeyframeProducer, AKeyframeAtOnceTakesOneFrame) {
   for (const double limit_ms : {0.0, 0.5}) {  // in bands, and in parts

@@ -337,7 +337,8 @@ Result<> AutoFrames::draw(const Camera& camera, double time) {
   active_ = frames_[choice.draws == kCache ? kDirect : choice.draws].get();
   double ms = begun_ms_;
   // Also where the cache begins and has captured: polygons were drawn over what it showed.
-  const bool has_drawn = std::exchange(begun_drawn_, false);
+  const bool has_drawn =
+      std::exchange(begun_drawn_, false) && (choice.draws == kDirect || choice.draws == kCache);
   const int shown_by = has_drawn && !begun_by_cache_ ? kDirect : choice.draws;
   if (!has_drawn) {
     const Stopwatch watch;
@@ -347,6 +348,7 @@ Result<> AutoFrames::draw(const Camera& camera, double time) {
   }
   show(camera, time, shown_by);
   if (choice.draws == kKeyframes || keep_keyframes(camera, time, choice)) keyframes_seen_ = frame_;
+  if (choice.draws == kKeyframes) begins_with_keyframes_ = false;
   // Not beside the first captures of the cache, which take long enough.
   if (begins_with_keyframes_ && frame_ - begun_in_ >= kFirstCaptures) {
     prepare(kKeyframes, camera, time);

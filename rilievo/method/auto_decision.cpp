@@ -375,6 +375,7 @@ AutoChoice AutoDecision::next(std::span<const AutoOutlook> outlook, bool jumped,
     cost.frames = std::min(cost.frames, 2);
     cost.recent = 0;
   }
+  if (jumped) failed_.tried = -1;
   ++since_change_;
   recent_changes_ = jumped ? 0 : kStaysRecent * recent_changes_;
   // The frames of a warm-up are forgotten when it is over.

@@ -80,6 +80,7 @@ class AutoFrames final : public FrameSource {
     ShownFrame shown;                            // what it is compared with
     EyePrediction eye;                           // that saw that
     bool followed = false;                       // keyframes know how the eye moves
+    bool jumped = false;                         // the eye did, since they were last told
     bool by_frames = false, first_seen = false;  // keyframes: frames make them; the first was seen
     Audition found;
   };

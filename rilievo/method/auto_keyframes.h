@@ -1,5 +1,5 @@
-// Keyframes for `auto`: the first ones are made beside the frames, and looked at before anyone sees
-// what is warped from them.
+// Keyframes for `auto`: the first ones are made by frames that something else draws, or beside
+// them, and looked at before anyone sees what is warped from them.
 #pragma once
 
 #include <condition_variable>
@@ -53,9 +53,9 @@ class SharedEye {
 void follow_way(const EyePrediction& eye, double time, KeyframeFrames& frames);
 
 // The time that a frame may spend on keyframes that it makes a part of, where the frame took `ms`
-// and such frames take `usual_ms`: all together stay well below 1.5 times that. Where frames of
-// keyframes are expected to take far less, `keyframes_ms`, the sooner there are two the better: a
-// frame makes all of one.
+// and such frames take `usual_ms`: both together take about 1.4 times that, or what that frame
+// takes and a little. Where frames of keyframes are expected to take far less, `keyframes_ms`, the
+// sooner there are two the better: a frame makes all of one.
 [[nodiscard]] double time_for_keyframes(double ms, double usual_ms, double keyframes_ms);
 
 // What is warped from keyframes loses where the eye will be when the next one is half complete, as

@@ -78,14 +78,17 @@ void AutoFrames::prepare(int method, const Camera& camera, double time) {
 
 // Beside a frame that took `ms`.
 void AutoFrames::make_part(const Camera& camera, double time, double ms) {
-  if (preparing_ < 0 || stage_ != Preparing::by_frames) return;
+  if (preparing_ < 0) return;
+  made_.jumped = made_.jumped || eye_.jumped();
+  if (stage_ != Preparing::by_frames) return;
   KeyframeFrames& frames = *prepared_keyframes();
   const double usual_ms = decision_->drawn_ms() > 0 ? decision_->drawn_ms() : ms;
   // After a jump they are of elsewhere.
-  if (eye_.jumped()) made_.first_seen = made_.followed = false;
+  const bool jumped = std::exchange(made_.jumped, false);
+  if (jumped) made_.first_seen = made_.followed = false;
   if (!std::exchange(made_.followed, true)) follow_way(eye_, time, frames);
   const double part_ms = time_for_keyframes(ms, usual_ms, outlook_[kKeyframes].guess_ms);
-  if (!frames.prepare(camera, time, eye_.jumped(), part_ms)) {
+  if (!frames.prepare(camera, time, jumped, part_ms)) {
     made_.failed = true, stage_ = Preparing::made;
   } else if (frames.prepared()) {
     stage_ = Preparing::shown;
@@ -150,6 +153,8 @@ Result<> AutoFrames::adopt() {
                        (stage_ == Preparing::first_looked_at && !first_refused);
   if (goes_on && !made_.failed) {
     stage_ = Preparing::by_frames;
+    // Meanwhile the eye went on.
+    made_.followed = false;
     return Done{};
   }
   const bool can_be_seen =

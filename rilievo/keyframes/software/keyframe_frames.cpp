@@ -183,7 +183,7 @@ Result<> KeyframeFrames::State::warp(double time) {
   }
   const bool fails = from.empty() || double(find_holes()) > most;
   if (fails && !from.empty() && cheaper && cheaper->leave_keyframes(producer->frame_ms())) {
-    warps = false;
+    warps = false, shares.cast = 0;
     return Done{};
   }
   if (fails) {
@@ -354,7 +354,8 @@ Result<> KeyframeFrames::draw(const Camera& camera, double time) {
   s.stats.by_kind.clear();
   s.stats.by_kind.emplace_back("keyframe", s.warps ? int(s.producer->chosen().size()) : 0);
   if (s.cheaper) {
-    s.cheaper->add(all.ms(), s.producer->frame_ms(), s.producer->has_two());
+    const double ms = all.ms() - (way == CheaperWay::Way::both ? work.ms : 0);
+    s.cheaper->add(ms, s.producer->frame_ms(), s.producer->has_all());
   }
   return Done{};
 }
@@ -429,7 +430,7 @@ void KeyframeFrames::forget_loss() {
 
 const RayScene& KeyframeFrames::rays() const { return state_->rays; }
 
-bool KeyframeFrames::prepared() const { return !state_->any_still || state_->producer->has_two(); }
+bool KeyframeFrames::prepared() const { return !state_->any_still || state_->producer->has_all(); }
 
 const SoftwareTarget* KeyframeFrames::software_target() const { return &state_->target; }
 const FrameStats& KeyframeFrames::stats() const { return state_->stats; }

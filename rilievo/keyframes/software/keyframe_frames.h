@@ -5,8 +5,8 @@
 // cost depends on the frame's size, whatever the scene. Into a target of the source's own. Uses all
 // cores; without a limit of time the frames depend neither on it nor on the number of threads.
 //
-// With a limit of time, whole frames are polygons where these take less time, as measured now and
-// then (keyframes/cheaper_way.h).
+// With a limit of time, whole frames are polygons where these take no more time, as measured now
+// and then (keyframes/cheaper_way.h).
 #pragma once
 
 #include <cstdint>
@@ -31,7 +31,7 @@ struct KeyframeFramesOptions {
   KeyframeOptions keyframes;
   KeyframesBy by = KeyframesBy::raster;
   int samples = 4;  // of a pixel, for polygons and what is filled: 1 or 4
-  // Frames of which rays would have to fill a larger share get a keyframe at once.
+  // Frames of which rays would have to fill a larger share get a keyframe at once, or are polygons.
   double most_filled = 0.2;
   // Up to so many holes get all samples of a pixel. Of more each gets one, which later frames show
   // again (hole_points.h).
@@ -83,7 +83,8 @@ class KeyframeFrames final : public FrameSource {
   // Beside such a frame, too, but makes nothing: it only learns how the eye moves.
   void follow(const Camera& camera, double time);
   // Forgets all keyframes, and takes the memory of those to come, so that no frame that prepares
-  // them touches new pages: on any thread, before such frames, which `camera` will be like.
+  // them touches new pages: on any thread, before such frames, which `camera` will be like. Not of
+  // keyframes that are made beside the frames.
   void reserve(const Camera& camera, double time);
   // Is there a keyframe to look from?
   [[nodiscard]] bool any() const;
