@@ -39,12 +39,11 @@ void CheaperWay::add(double ms, double guess_ms, bool ready) {
     add_polygons(ms, guess_ms);
     if (returning_ && ready) {
       polygons_ = returning_ = false, since_try_ = 0;
-      looks_ = true, keyframes_ms_.forget();
-    } else if (++by_polygons_ >= frames_to_return_ ||
-               (keyframes_ms_.count() > 0 &&
-                keyframes_ms_.median() < kCheaper * polygons_ms_.median())) {
-      returning_ = true;
+      looks_ = true, look_ms_.forget();
+      return;
     }
+    dearer_ = keyframes_ms_.median() < kCheaper * polygons_ms_.median();
+    if (++by_polygons_ >= frames_to_return_ || dearer_) returning_ = true;
     return;
   }
   if (trying_) {
@@ -56,9 +55,10 @@ void CheaperWay::add(double ms, double guess_ms, bool ready) {
     go_by_polygons();
     return;
   }
-  keyframes_ms_.add(ms);
-  if (looks_ && keyframes_ms_.count() >= kLook) {
+  (looks_ ? look_ms_ : keyframes_ms_).add(ms);
+  if (looks_ && look_ms_.count() >= kLook) {
     looks_ = false;
+    keyframes_ms_ = look_ms_;
     if (polygons_ms_.median() <= keyframes_ms_.median()) {
       frames_to_return_ = std::min(2 * frames_to_return_, kMostToReturn);
       go_by_polygons();
@@ -76,7 +76,7 @@ bool CheaperWay::leave_keyframes(double guess_ms) {
   double ms = guess_ms;
   if (polygons_ms_.count() > 0)
     ms = polygons_ms_.median() * (guessed_ms_ > 0 && guess_ms > 0 ? guess_ms / guessed_ms_ : 1);
-  if (looks_) {
+  if (looks_ && !dearer_) {
     // They were made again, and of no use.
     frames_to_return_ = std::min(2 * frames_to_return_, kMostToReturn);
     go_by_polygons();

@@ -74,10 +74,11 @@ class CheaperWay {
   void go_by_polygons();
 
   bool polygons_ = false, trying_ = false, returning_ = false;
-  bool looks_ = false;  // keyframes are drawn again, and may have to be left at once
+  bool looks_ = false;   // keyframes are drawn again, and may have to be left at once
+  bool dearer_ = false;  // polygons, when keyframes began to be made again
   int since_try_ = kFewerAtFirst, frames_ = 0;
   int by_polygons_ = 0, frames_to_return_ = kFramesToReturn;
-  Recent keyframes_ms_, polygons_ms_;
+  Recent keyframes_ms_, look_ms_, polygons_ms_;
   double guessed_ms_ = 0;  // of the last frame of polygons
 };
 

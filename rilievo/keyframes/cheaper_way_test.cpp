@@ -109,6 +109,20 @@ TEST(CheaperWay, KeyframesThatAreMadeAgainAndFailAreLeftAtOnce) {
     ASSERT_EQ(walk.way.next(), CheaperWay::Way::polygons) << k;
     walk.go(1, 20, 10);
   }
+  // What they took is known still.
+  walk.go(60, 20, 200);
+  EXPECT_EQ(walk.way.next(), CheaperWay::Way::keyframes);
+}
+
+// Else a cut at that moment would bring seconds of dear frames.
+TEST(CheaperWay, KeyframesThatFailWherePolygonsBecameDearAreNotLeft) {
+  WayWalk walk;
+  walk.go(100, 20, 10);
+  ASSERT_EQ(walk.way.next(), CheaperWay::Way::polygons);
+  for (int i = 0; i < 100 && walk.way.next() != CheaperWay::Way::keyframes; ++i)
+    walk.go(1, 20, 200);
+  ASSERT_EQ(walk.way.next(), CheaperWay::Way::keyframes);
+  EXPECT_FALSE(walk.way.leave_keyframes(200));
 }
 
 TEST(CheaperWay, PolygonsThatCostSomewhatMoreAreTriedOnceASecond) {
