@@ -10,15 +10,6 @@ constexpr int kFirstFrames = 30;
 
 }  // namespace
 
-double CheaperWay::Recent::median() const {
-  const int count = std::min(count_, kCount);
-  if (count == 0) return 0;
-  std::array<double, kCount> sorted = last_;
-  const auto middle = sorted.begin() + count / 2;
-  std::nth_element(sorted.begin(), middle, sorted.begin() + count);
-  return *middle;
-}
-
 CheaperWay::Way CheaperWay::next() const {
   if (returning_) return Way::both;
   return polygons_ || trying_ ? Way::polygons : Way::keyframes;
@@ -26,6 +17,12 @@ CheaperWay::Way CheaperWay::next() const {
 
 void CheaperWay::go_by_polygons() {
   polygons_ = true, returning_ = looks_ = false, by_polygons_ = 0;
+}
+
+// They were right, whatever keyframes take now.
+void CheaperWay::stay_longer_by_polygons() {
+  frames_to_return_ = std::min(2 * frames_to_return_, kMostToReturn);
+  go_by_polygons();
 }
 
 void CheaperWay::add_polygons(double ms, double guess_ms) {
@@ -60,8 +57,7 @@ void CheaperWay::add(double ms, double guess_ms, bool ready) {
     looks_ = false;
     keyframes_ms_ = look_ms_;
     if (polygons_ms_.median() <= keyframes_ms_.median()) {
-      frames_to_return_ = std::min(2 * frames_to_return_, kMostToReturn);
-      go_by_polygons();
+      stay_longer_by_polygons();
       return;
     }
   }
@@ -78,8 +74,7 @@ bool CheaperWay::leave_keyframes(double guess_ms) {
     ms = polygons_ms_.median() * (guessed_ms_ > 0 && guess_ms > 0 ? guess_ms / guessed_ms_ : 1);
   if (looks_ && !dearer_) {
     // They were made again, and of no use.
-    frames_to_return_ = std::min(2 * frames_to_return_, kMostToReturn);
-    go_by_polygons();
+    stay_longer_by_polygons();
     return true;
   }
   if (usual_ms == 0 || ms == 0 || ms > kMayTakeInstead * usual_ms) return false;

@@ -1,6 +1,6 @@
 // Are frames from keyframes cheaper than polygons, or the other way round?
 //
-// Both take some milliseconds a frame, which change as the eye moves. The way that is gone is
+// Both take some milliseconds a frame, which change as the eye moves. The way that is taken is
 // measured in every frame. What polygons would take is guessed from what keyframes take to make;
 // where it may be less, one frame is drawn by polygons, which is as right as any. Back from
 // polygons the eye needs two keyframes: these are made beside some more frames of polygons.
@@ -9,22 +9,22 @@
 // takes longer than frames do, and the next frame may need another: polygons that take about as
 // long as usual frames are drawn instead, until there are keyframes again.
 //
-// Other programs may slow some frames down, and what was measured of the way that is not gone does
-// not change. So a time is the median of the last frames, and no decision is for ever: what
+// Other programs may slow some frames down, and what was measured of the way that is not taken
+// stays. So a time is the median of the last frames, and no decision is for ever: what
 // keyframes take is looked at again after some frames, and after twice as many each time that
 // polygons were right.
 #pragma once
 
-#include <array>
-#include <cstddef>
+#include "rilievo/core/recent_times.h"
 
 namespace rilievo {
 
 // Decides frame by frame.
 class CheaperWay {
  public:
-  // Keyframes must take less than this share of polygons' time to be gone instead: a way that
-  // changes back and forth costs more than either. Polygons, which are exact, only as much.
+  // Keyframes must take less than this share of polygons' time to be taken instead: a way that
+  // changes back and forth costs more than either. Polygons are chosen at equal time, too: they are
+  // exact.
   static constexpr double kCheaper = 0.85;
   // Frames from one that tries polygons to the next, how many fewer they are at first, and how much
   // more polygons may take by the guess.
@@ -50,28 +50,16 @@ class CheaperWay {
   // polygons would take, by keyframes; 0: unknown. `ready`: there are keyframes to go on with.
   void add(double ms, double guess_ms, bool ready);
 
-  // Keyframes fail this frame, for which next() told them. Is it drawn by polygons instead, as
-  // next() tells now, until there are others to go on with? `guess_ms`: as add()'s.
+  // next() told keyframes for this frame, and they show too little of it. Is it drawn by polygons
+  // instead? Then next() tells the way of this frame anew. `guess_ms`: as add()'s.
   [[nodiscard]] bool leave_keyframes(double guess_ms);
 
  private:
-  // The median of the last frames.
-  class Recent {
-   public:
-    void add(double ms) { last_[std::size_t(count_++ % kCount)] = ms; }
-    void forget() { count_ = 0; }
-    [[nodiscard]] int count() const { return count_; }
-    // 0: there was none.
-    [[nodiscard]] double median() const;
-
-   private:
-    static constexpr int kCount = 31;
-    std::array<double, kCount> last_{};
-    int count_ = 0;
-  };
+  using Recent = RecentTimes<31>;
 
   void add_polygons(double ms, double guess_ms);
   void go_by_polygons();
+  void stay_longer_by_polygons();
 
   bool polygons_ = false, trying_ = false, returning_ = false;
   bool looks_ = false;   // keyframes are drawn again, and may have to be left at once

@@ -1,6 +1,7 @@
 #include "rilievo/method/auto_decision.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "rilievo/core/expects.h"
@@ -139,16 +140,6 @@ AutoDecision::AutoDecision(std::span<const AutoCandidate> candidates, int first,
   int most = 0;
   for (const AutoCandidate& one : candidates_) most = std::max(most, one.warm_up);
   trial_ms_.reserve(std::size_t(most + kCloseTrial));
-}
-
-double AutoDecision::median_of_last(const Cost& cost) {
-  const int count = std::min(cost.recent, kLast);
-  std::array<double, kLast> last;
-  for (int i = 0; i < count; ++i)
-    last[std::size_t(i)] = cost.last[std::size_t((cost.recent - i) % kLast)];
-  const auto middle = last.begin() + count / 2;
-  std::nth_element(last.begin(), middle, last.begin() + count);
-  return *middle;
 }
 
 // So many times slower has become what drew since this method was measured, and the model does not
@@ -299,7 +290,7 @@ void AutoDecision::change(int to) {
   left.gap = std::min(kMostGap, kGap << std::min(left.fails, 8));
   ++left.fails;
   draws_ = to;
-  costs_[std::size_t(to)].recent = 0;
+  costs_[std::size_t(to)].recent.forget();
   since_change_ = 0;
   unsettled_ = 0, last_ms_ = 0, failed_.tried = -1;
   ++recent_changes_;
@@ -343,8 +334,7 @@ void AutoDecision::end_trial(std::span<const AutoOutlook> outlook) {
   cost.guess_ms = outlook[std::size_t(trial_)].guess_ms;
   cost.frames = drawn - from, cost.age = 0, cost.slow = slow_;
   cost.measured += cost.frames;
-  cost.recent = cost.frames;
-  cost.last.fill(cost.mean_ms);
+  cost.recent.set(cost.mean_ms, cost.frames);
   const double now = costs_[std::size_t(draws_)].mean_ms;
   const bool wins = outlook[std::size_t(trial_)].ready &&
                     outlook[std::size_t(trial_)].good_enough &&
@@ -373,7 +363,7 @@ AutoChoice AutoDecision::next(std::span<const AutoOutlook> outlook, bool jumped,
     // What was learned is of another place.
     cost.fails = cost.repeats = 0;
     cost.frames = std::min(cost.frames, 2);
-    cost.recent = 0;
+    cost.recent.forget();
   }
   if (jumped) failed_.tried = -1;
   ++since_change_;
@@ -453,7 +443,7 @@ double AutoDecision::over_guess(double ms) const {
 
 // What it took at its best, of late; and for how long it has taken much more.
 void AutoDecision::note_calm(Cost& cost) {
-  const double now = over_guess(median_of_last(cost));
+  const double now = over_guess(cost.recent.median());
   const bool of_guess = guesses_[std::size_t(draws_)] > 0;
   if (cost.calm == 0 || cost.calm_of_guess != of_guess || now < cost.calm)
     cost.calm = now;
@@ -501,12 +491,12 @@ void AutoDecision::add(double ms, bool disturbed) {
   const int warm_up = candidates_[std::size_t(draws_)].warm_up;
   const bool warms_up = since_change_ <= warm_up;
   const double newest = newest_share(warms_up ? kNewestOfWarmUp : kNewest, ++cost.frames);
-  cost.last[std::size_t(++cost.recent % kLast)] = ms;
+  cost.recent.add(ms);
   ++cost.measured, last_ms_ = ms;
-  if (!warms_up && cost.recent >= kLast) note_calm(cost);
+  if (!warms_up && cost.recent.count() >= kLast) note_calm(cost);
   const double before_ms = cost.mean_ms, guess_ms = guesses_[std::size_t(draws_)];
-  if (!warms_up && cost.recent >= kLeastForMedian)
-    ms = std::min(ms, kMuchForMean * median_of_last(cost));
+  if (!warms_up && cost.recent.count() >= kLeastForMedian)
+    ms = std::min(ms, kMuchForMean * cost.recent.median());
   cost.mean_ms += (ms - cost.mean_ms) * newest;
   if (cost.frames > kLast && !disturbed && guess_ms > 0 && cost.guess_ms > 0)
     slow_ *= cost.mean_ms / before_ms * cost.guess_ms / guess_ms;

@@ -25,11 +25,12 @@
 // same input gives the same decisions. Milliseconds a frame; time in frames.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <span>
 #include <string_view>
 #include <vector>
+
+#include "rilievo/core/recent_times.h"
 
 namespace rilievo {
 
@@ -142,17 +143,16 @@ class AutoDecision {
   static constexpr int kLast = 9;
 
   struct Cost {
-    double mean_ms = 0;                // of the last frames that it drew; 0: none yet
-    double slow = 1;                   // slow_ when that was measured
-    std::array<double, kLast> last{};  // what they took, the newest at recent % kLast
-    double guess_ms = 0;               // the model's, when that was measured
-    int frames = 0;                    // in the mean
-    int recent = 0;                    // in `last`, those since a jump or a change to the method
-    int age = 0;                       // frames since
-    int gap = 0;                       // the least age for the next trial
-    int fails = 0;                     // trials in a row
-    int repeats = 0;                   // of trials that something else disturbed
-    int measured = 0;                  // frames, in all
+    double mean_ms = 0;         // of the last frames that it drew; 0: none yet
+    double slow = 1;            // slow_ when that was measured
+    RecentTimes<kLast> recent;  // what they took since a jump or a change to the method
+    double guess_ms = 0;        // the model's, when that was measured
+    int frames = 0;             // in the mean
+    int age = 0;                // frames since
+    int gap = 0;                // the least age for the next trial
+    int fails = 0;              // trials in a row
+    int repeats = 0;            // of trials that something else disturbed
+    int measured = 0;           // frames, in all
     // The median of what the last ones took at its best, of late; over the model's if it has one.
     double calm = 0;
     bool calm_of_guess = false;
@@ -166,7 +166,6 @@ class AutoDecision {
     int slow = 0;      // frames since that took much more, in a row
   };
 
-  [[nodiscard]] static double median_of_last(const Cost& cost);
   [[nodiscard]] double expected(int i, const AutoOutlook& outlook) const;
   [[nodiscard]] double unexplained(int i) const;
   [[nodiscard]] double plausible(int i, const AutoOutlook& outlook) const;
