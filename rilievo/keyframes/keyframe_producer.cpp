@@ -292,9 +292,7 @@ Result<std::span<const WarpedKeyframe>> KeyframeProducer::make_now() {
 // With twice the time a keyframe comes twice as soon, and frames have half as many holes: both
 // together take the least if they take the same.
 double KeyframeProducer::ms_a_frame() const {
-  // What is made at once says nothing of those that come then.
-  const double allowed_ms = allowed_ms_ == kAtOnce ? 0 : allowed_ms_;
-  return std::max({options_.keyframe_ms, holes_ms_, allowed_ms});
+  return std::max({options_.keyframe_ms, holes_ms_, allowed_ms_});
 }
 
 KeyframeProducer::Columns KeyframeProducer::columns_a_frame() const {
@@ -306,9 +304,8 @@ KeyframeProducer::Columns KeyframeProducer::columns_a_frame() const {
   };
   // No more than needed; but an eye soon is where a keyframe that takes too many frames shows
   // little.
-  const bool allowed = allowed_ms_ > 0 && allowed_ms_ != kAtOnce;
-  const int most = of_frames(allowed ? std::min(options_.interval, kAllowedInterval)
-                                     : options_.interval),
+  const int most = of_frames(allowed_ms_ > 0 ? std::min(options_.interval, kAllowedInterval)
+                                             : options_.interval),
             least = std::min(of_frames(kMostInterval), most);
   int expected = most;
   double a_frame = most;
@@ -318,7 +315,7 @@ KeyframeProducer::Columns KeyframeProducer::columns_a_frame() const {
     a_frame = maker_.in_parts() ? std::clamp(in_time, double(least), double(most)) : expected;
   }
   const double frames = std::ceil(width / a_frame);
-  if (allowed_ms_ == kAtOnce) {
+  if (at_once_) {
     // One that was begun may be wider.
     const int all = std::max(width, maker_.busy() ? maker_.columns_left() : 0);
     return {least, all, all, frames};
@@ -369,8 +366,7 @@ Result<int> KeyframeProducer::step(const Columns& columns, const Stopwatch& watc
   // Parts of a keyframe take different times: what counts is that all of it takes not too many
   // frames, by what the last one took. Of one that takes more, each frame makes its share.
   const double whole_ms = measured_ ? ms_per_column_ * maker_.camera().width : 0;
-  const double wanted_ms =
-      allowed_ms_ == kAtOnce ? kAtOnce : std::max(ms_a_frame(), whole_ms / kMostInterval);
+  const double wanted_ms = at_once_ ? kAtOnce : std::max(ms_a_frame(), whole_ms / kMostInterval);
   // To start takes as long as several parts.
   const int least = made_frames_ == 0 ? 0 : made_frames_ < kMostInterval ? 1 : columns.least;
   ++made_frames_;
@@ -389,13 +385,14 @@ Result<int> KeyframeProducer::step(const Columns& columns, const Stopwatch& watc
 // Of what is made at once the first one is for the eye as it is, and the second one for where it
 // will be when a third one is complete.
 double KeyframeProducer::frames_ahead(const Columns& columns) const {
-  if (allowed_ms_ == kAtOnce) return any() ? columns.frames : 0;
+  if (at_once_) return any() ? columns.frames : 0;
   return 2 * columns.frames;
 }
 
 Result<> KeyframeProducer::work(double holes_ms, double allowed_ms) {
   if (options_.beside) return work_beside();
-  allowed_ms_ = allowed_ms;
+  // What is made at once says nothing of those that come then.
+  at_once_ = allowed_ms == kAtOnce, allowed_ms_ = at_once_ ? 0 : allowed_ms;
   holes_ms_ += (holes_ms - holes_ms_) * kNewestHoles;
   const Columns columns = columns_a_frame();
   if (maker_.busy() && turn_between(maker_.camera(), frame_) > kElsewhere)

@@ -147,6 +147,7 @@ class KeyframeProducer {
   double visibility_ms_ = 0, shading_ms_ = 0;  // of the last keyframe
   double holes_ms_ = 0;                        // of the last frames
   double allowed_ms_ = 0;                      // of this frame
+  bool at_once_ = false;                       // this frame makes all of one
   // Of the keyframe that is being made; and those to find what is visible.
   double made_ms_ = 0, made_visibility_ms_ = 0;
   int made_columns_ = 0, made_frames_ = 0;
