@@ -99,9 +99,7 @@ struct EnvironmentDrawable::State {
 
   // Into `drawn`, the best first, and `filled`.
   void choose(const Camera& frame) {
-    const FrameNodes choice = chosen(frame);
-    const std::vector<std::size_t>& order = choice.order;
-    const std::size_t count = choice.drawn;
+    const auto [order, count, parts] = chosen(frame);
     working.want(order, [&](std::size_t node) {
       store->drop(node);
       outlines.erase(node);
@@ -113,14 +111,12 @@ struct EnvironmentDrawable::State {
     }
     for (std::size_t k = 0; k < count; ++k)
       if (store->holds(order[k])) drawn.push_back(order[k]);
-    filled = choice.filled;
+    filled = parts;
     options.draw.last_in = count > options.nodes && drawn.size() == count ? &filled : nullptr;
   }
 
   [[nodiscard]] double bound(const Camera& frame) const {
-    const FrameNodes choice = chosen(frame);
-    const std::vector<std::size_t>& order = choice.order;
-    const std::size_t count = choice.drawn;
+    const auto [order, count, parts] = chosen(frame);
     const std::lock_guard lock(errors_mutex);
     double widest = 0;
     for (std::size_t k = 0; k < count; ++k) {

@@ -39,19 +39,16 @@ struct NodeRay {
   [[nodiscard]] glm::dvec3 at(double t) const { return from + t * along; }
 };
 
-// The nodes that are asked, for all lines of sight of a frame; and one line in the spaces of those
-// that were asked for it.
-struct AskedNodes {
-  struct Asked {
-    const NodeSketch* node;
-    glm::dmat3 node_from_world;
-    glm::dvec3 from;  // the frame's eye
-  };
-  std::vector<Asked> nodes;
+// A node that is asked for all lines of sight of a frame.
+struct AskedNode {
+  const NodeSketch* node;
+  glm::dmat3 node_from_world;
+  glm::dvec3 from;  // the frame's eye
 };
+// One line in the spaces of those that were asked for it.
 class LineOfSight {
  public:
-  explicit LineOfSight(const AskedNodes& asked) : asked_(asked), rays_(asked.nodes.size()) {}
+  explicit LineOfSight(std::span<const AskedNode> asked) : asked_(asked), rays_(asked.size()) {}
 
   void begin(const glm::dvec3& along) {
     along_ = along;
@@ -61,7 +58,7 @@ class LineOfSight {
   [[nodiscard]] const NodeRay& operator[](std::size_t k) {
     NodeRay& ray = rays_[k];
     if (ray.node) return ray;
-    const AskedNodes::Asked& of = asked_.nodes[k];
+    const AskedNode& of = asked_[k];
     ray.node = of.node;
     ray.from = of.from;
     ray.along = of.node_from_world * along_;
@@ -71,7 +68,7 @@ class LineOfSight {
   }
 
  private:
-  const AskedNodes& asked_;
+  std::span<const AskedNode> asked_;
   std::vector<NodeRay> rays_;
   glm::dvec3 along_{0.0};
 };
@@ -107,36 +104,44 @@ std::array<FaceColumns, 6> make_face_columns() {
 }
 const std::array<FaceColumns, 6> kFaceColumns = make_face_columns();
 
+// The face that a direction meets, and the direction by it.
+struct OnFace {
+  std::size_t face;
+  double ahead, right, down;
+
+  explicit OnFace(const glm::dvec3& to) {
+    const glm::dvec3 size = glm::abs(to);
+    const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+    face = std::size_t(2 * axis + (to[axis] < 0 ? 1 : 0)), ahead = size[axis];
+    const FaceColumns& columns = kFaceColumns[face];
+    right = columns.x_sign * to[columns.x_axis], down = columns.y_sign * to[columns.y_axis];
+  }
+};
+
 inline Around around(const NodeSketch& node, const glm::dvec3& to) {
-  const glm::dvec3 size = glm::abs(to);
-  const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
-  const std::size_t f = std::size_t(2 * axis + (to[axis] < 0 ? 1 : 0));
-  const FaceColumns& columns = kFaceColumns[f];
-  const Image<std::uint16_t>& of = node.disparity[f];
+  const OnFace at(to);
+  const Image<std::uint16_t>& of = node.disparity[at.face];
   const int last = of.width() - 1;
-  const double half = 0.5 * of.width(), scale = half / std::max(size[axis], 1e-300);
-  const auto texel = [&](double at) { return std::clamp(int(half - 0.5 + scale * at), 0, last); };
-  const int x = texel(columns.x_sign * to[columns.x_axis]),
-            y = texel(columns.y_sign * to[columns.y_axis]);
+  const double half = 0.5 * of.width(), scale = half / std::max(at.ahead, 1e-300);
+  const auto texel = [&](double to_it) {
+    return std::clamp(int(half - 0.5 + scale * to_it), 0, last);
+  };
+  const int x = texel(at.right), y = texel(at.down);
   const int x1 = std::min(x + 1, last), y1 = std::min(y + 1, last);
-  return {size[axis], {of(x, y), of(x1, y), of(x, y1), of(x1, y1)}};
+  return {at.ahead, {of(x, y), of(x1, y), of(x, y1), of(x1, y1)}};
 }
 
 // Up to where is a line of sight free for certain, from t on? It may turn by kClearAngle around the
 // node, as long as it is nearer than what is seen so far beside it. t if it is not known to be.
 double clear_until(const NodeRay& ray, double t) {
   static const double turn = std::tan(NodeSketch::kClearAngle);
-  const glm::dvec3 to = ray.at(t), size = glm::abs(to);
-  const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
-  const std::size_t f = std::size_t(2 * axis + (to[axis] < 0 ? 1 : 0));
-  const FaceColumns& columns = kFaceColumns[f];
-  const double half = 0.5 * NodeSketch::kClearSize, scale = half / std::max(size[axis], 1e-300);
-  const auto cell = [&](double at) {
-    return std::clamp(int(half + scale * at), 0, NodeSketch::kClearSize - 1);
+  const OnFace at(ray.at(t));
+  const double half = 0.5 * NodeSketch::kClearSize, scale = half / std::max(at.ahead, 1e-300);
+  const auto cell = [&](double to_it) {
+    return std::clamp(int(half + scale * to_it), 0, NodeSketch::kClearSize - 1);
   };
   const double clear =
-      kClearShare * double(ray.node->clear[f](cell(columns.x_sign * to[columns.x_axis]),
-                                              cell(columns.y_sign * to[columns.y_axis])));
+      kClearShare * double(ray.node->clear[at.face](cell(at.right), cell(at.down)));
   const double s = t - ray.nearest, b = ray.beside;
   if (!(b * b + s * s < clear * clear)) return t;
   // s = b tan(angle): b tan(angle + kClearAngle) = b (s + b turn) / (b - s turn)
@@ -223,12 +228,11 @@ std::vector<SeenPlace> places_in_view(const EnvironmentNodes& nodes, const Camer
   RILIEVO_EXPECTS(asked.size() <= 32);
   std::vector<SeenPlace> places(std::size_t(kViewColumns * kViewRows));
   const ImageWindow& w = frame.window;
-  AskedNodes all;
+  std::vector<AskedNode> all;
   for (const std::size_t k : asked) {
     const NodeSketch& node = nodes.nodes[k];
     const glm::dmat3 node_from_world = glm::transpose(glm::dmat3(node.world_from_node));
-    all.nodes.push_back(
-        {&node, node_from_world, node_from_world * (frame.position() - node.eye())});
+    all.push_back({&node, node_from_world, node_from_world * (frame.position() - node.eye())});
   }
   parallel_for(0, kViewRows, [&](int row) {
     LineOfSight line(all);
