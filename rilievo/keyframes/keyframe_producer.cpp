@@ -16,6 +16,10 @@ namespace {
 constexpr std::size_t kKept = 2;
 // Memory is kept for so many more.
 constexpr std::size_t kSpare = 2;
+// Steps of the first keyframe, each of which takes memory for what it reads: with two of them a
+// program's first frame touches 100 MB more, which takes as long as several keyframes where the
+// system maps pages slowly (core/large_buffer.h).
+constexpr int kFirstSteps = 16;
 // A coarse keyframe's texels for each pixel of the frame, in each direction; and its margin.
 constexpr double kCoarseTexels = 0.5, kCoarseMargin = 1.1;
 // The share of the last band in the mean cost of a column.
@@ -245,7 +249,8 @@ void KeyframeProducer::hide(std::span<const std::uint32_t> objects) {
 Result<> KeyframeProducer::make_whole() {
   begin(frame_);
   // A source that captures in parts takes its memory for these now, not when frames are timed.
-  const int columns = maker_.takes_parts(source_) ? maker_.camera().width / 2 : 1 << 20;
+  const int columns =
+      maker_.takes_parts(source_) ? maker_.camera().width / kFirstSteps + 1 : 1 << 20;
   while (maker_.busy())
     if (Result<> made = maker_.step(source_, columns); !made) return made.error();
   add(maker_.take());
