@@ -40,19 +40,48 @@ HWY_INLINE VU mix_bytes(VU a, VU b, VU of_b) {
   return hn::Or(hn::And(hn::ShiftRight<8>(low), even), hn::AndNot(even, high));
 }
 
-// What the old frame shows between four texels, the nearest one's depth, and these places.
+// The four texels of the old frame around a place.
 struct OldTexels {
-  VI first, right, below;  // of the top left texel; what is added for the nearest one
-  VU to_right, down;       // shares of 256
+  VI first, right, below;  // of the top left one; what is added for the nearest one
 };
 
 struct OldPixels {
-  VF inverse_z;
-  VU color;
+  VF inverse_z;    // of the nearest texel
+  VU least, most;  // of each byte of the four
 };
 
-HWY_INLINE VU mixed_texels(const OldTexels& at, VU a, VU b, VU c, VU d) {
-  return mix_bytes(mix_bytes(a, b, at.to_right), mix_bytes(c, d, at.to_right), at.down);
+// Of each byte of a and b the smaller one, or the larger one.
+#if HWY_TARGET == HWY_SCALAR
+// A lane has no bytes there.
+template <typename Choose>
+VU choose_bytes(VU a, VU b, const Choose& choose) {
+  const U u;
+  VU all = hn::Zero(u);
+  for (const std::uint32_t byte : {0xffu, 0xff00u, 0xff0000u, 0xff000000u}) {
+    const VU mask = hn::Set(u, byte);
+    all = hn::Or(all, choose(hn::And(a, mask), hn::And(b, mask)));
+  }
+  return all;
+}
+#else
+template <typename Choose>
+HWY_INLINE VU choose_bytes(VU a, VU b, const Choose& choose) {
+  const hn::Repartition<std::uint8_t, U> bytes;
+  return hn::BitCast(U(), choose(hn::BitCast(bytes, a), hn::BitCast(bytes, b)));
+}
+#endif
+
+HWY_INLINE VU least_bytes(VU a, VU b) {
+  return choose_bytes(a, b, [](auto one, auto other) HWY_ATTR { return hn::Min(one, other); });
+}
+
+HWY_INLINE VU most_bytes(VU a, VU b) {
+  return choose_bytes(a, b, [](auto one, auto other) HWY_ATTR { return hn::Max(one, other); });
+}
+
+HWY_INLINE OldPixels of_texels(VF inverse_z, VU a, VU b, VU c, VU d) {
+  return {inverse_z, least_bytes(least_bytes(a, b), least_bytes(c, d)),
+          most_bytes(most_bytes(a, b), most_bytes(c, d))};
 }
 
 // Where all texels lie in 2 N of two rows, N lanes: several times as fast as to gather them.
@@ -74,9 +103,10 @@ HWY_INLINE OldPixels load_texels(const FadedFrames& frames, const OldTexels& at,
   const float* depths = frames.old_inverse_z;
   const std::uint32_t* colors = frames.old_color;
   const auto lower = hn::RebindMask(f, hn::Gt(at.below, hn::Zero(i)));
-  return {hn::IfThenElse(lower, look(f, depths + below, nearest), look(f, depths + from, nearest)),
-          mixed_texels(at, look(u, colors + from, offset), look(u, colors + from, next),
-                       look(u, colors + below, offset), look(u, colors + below, next))};
+  return of_texels(
+      hn::IfThenElse(lower, look(f, depths + below, nearest), look(f, depths + from, nearest)),
+      look(u, colors + from, offset), look(u, colors + from, next), look(u, colors + below, offset),
+      look(u, colors + below, next));
 }
 
 HWY_INLINE OldPixels gather_texels(const FadedFrames& frames, const OldTexels& at) {
@@ -85,9 +115,9 @@ HWY_INLINE OldPixels gather_texels(const FadedFrames& frames, const OldTexels& a
   const U u;
   const VI one = hn::Set(i, 1), lower = hn::Add(at.first, hn::Set(i, frames.width));
   const auto texels = [&](VI index) { return hn::GatherIndex(u, frames.old_color, index); };
-  return {hn::GatherIndex(f, frames.old_inverse_z, hn::Add(at.first, hn::Add(at.right, at.below))),
-          mixed_texels(at, texels(at.first), texels(hn::Add(at.first, one)), texels(lower),
-                       texels(hn::Add(lower, one)))};
+  return of_texels(
+      hn::GatherIndex(f, frames.old_inverse_z, hn::Add(at.first, hn::Add(at.right, at.below))),
+      texels(at.first), texels(hn::Add(at.first, one)), texels(lower), texels(hn::Add(lower, one)));
 }
 
 // Pixels from (x, y) on, whose colours and depths are given.
@@ -119,15 +149,11 @@ HWY_INLINE VU mixed(const FadedFrames& frames, int x, int y, VU color, VF w) {
   const VF right_by = hn::Sub(x_in, hn::ConvertTo(f, left)),
            down_by = hn::Sub(y_in, hn::ConvertTo(f, top));
   const VI stride = hn::Set(i, frames.width), first = hn::Add(hn::Mul(top, stride), left);
-  const auto shares = [&](VF of_one) {
-    return hn::BitCast(u, hn::ConvertTo(i, hn::Mul(of_one, of(256))));
-  };
   // The nearest texel shows the surface.
   const VF half = of(0.5f);
   const OldTexels texels{
       first, hn::IfThenElseZero(hn::RebindMask(i, hn::Ge(right_by, half)), hn::Set(i, 1)),
-      hn::IfThenElseZero(hn::RebindMask(i, hn::Ge(down_by, half)), stride), shares(right_by),
-      shares(down_by)};
+      hn::IfThenElseZero(hn::RebindMask(i, hn::Ge(down_by, half)), stride)};
   // Where the frames differ little a row's pixels lie in one row.
   const int lanes = int(hn::Lanes(i)), from = hn::GetLane(hn::MinOfLanes(i, first));
   const VI offset = hn::Sub(first, hn::Set(i, from));
@@ -141,8 +167,10 @@ HWY_INLINE VU mixed(const FadedFrames& frames, int x, int y, VU color, VF w) {
   const VF as_before =
       hn::Mul(hn::Sub(of(kOtherShading), passed), of(1 / (kOtherShading - kSameShading)));
   const VF of_old = hn::Mul(hn::Min(hn::Max(as_before, zero), of(1)), of(float(frames.old_weight)));
+  // The colour between the old texels that is nearest to the new one.
   return hn::IfThenElse(hn::RebindMask(u, same),
-                        mix_bytes(color, old.color, hn::BitCast(u, hn::ConvertTo(i, of_old))),
+                        mix_bytes(color, most_bytes(old.least, least_bytes(old.most, color)),
+                                  hn::BitCast(u, hn::ConvertTo(i, of_old))),
                         color);
 }
 

@@ -1,4 +1,9 @@
 // Mixes a tile of a frame with what an older frame shows of it. Internal: of FrameFade.
+//
+// A point of the new frame lies between four texels of the old one. A colour between theirs is no
+// change: it may be sampled at another place. So the old frame counts as showing that of these
+// colours which is nearest to the new one. To interpolate instead blurs edges of colour and the
+// samples of silhouettes, which pops more than the change (bench/results/auto.md).
 #pragma once
 
 #include <cstddef>

@@ -3,8 +3,8 @@
 // Where two methods show the same in different ways a change from one to the other pops. For some
 // frames each pixel is mixed with what the last frame before the change shows at the same place:
 // the new frame's depth says where that is. What the old frame does not show is new at once, and so
-// is what the eye has passed close by, which shines otherwise. So the methods do not both have to
-// draw.
+// is what the eye has passed close by, which shines otherwise, and what differs by no more than the
+// old frame does between its texels there. So the methods do not both have to draw.
 #pragma once
 
 #include <cstdint>
