@@ -79,6 +79,14 @@ HWY_INLINE VU most_bytes(VU a, VU b) {
   return choose_bytes(a, b, [](auto one, auto other) HWY_ATTR { return hn::Max(one, other); });
 }
 
+// The sum over the four bytes of a and b.
+HWY_INLINE VU difference(VU a, VU b) {
+  const U u;
+  const VU bytes = hn::Sub(most_bytes(a, b), least_bytes(a, b)), even = hn::Set(u, 0x00ff00ffu);
+  const VU pairs = hn::Add(hn::And(bytes, even), hn::And(hn::ShiftRight<8>(bytes), even));
+  return hn::And(hn::Add(pairs, hn::ShiftRight<16>(pairs)), hn::Set(u, 0xffffu));
+}
+
 HWY_INLINE OldPixels of_texels(VF inverse_z, VU a, VU b, VU c, VU d) {
   return {inverse_z, least_bytes(least_bytes(a, b), least_bytes(c, d)),
           most_bytes(most_bytes(a, b), most_bytes(c, d))};
@@ -174,7 +182,7 @@ HWY_INLINE VU mixed(const FadedFrames& frames, int x, int y, VU color, VF w) {
                         color);
 }
 
-void fade(const FadedFrames& frames, FrameTile& tile) {
+double fade(const FadedFrames& frames, FrameTile& tile) {
   constexpr int kBlock = FrameTile::kBlock, kBlocks = FrameTile::kBlocks;
   const F f;
   const U u;
@@ -182,6 +190,7 @@ void fade(const FadedFrames& frames, FrameTile& tile) {
   const int rows = std::min(FrameTile::kSize, frames.height - tile.y);
   float last_depths[kBlock] = {};
   std::uint32_t last_colors[kBlock] = {};
+  VU of_old = hn::Zero(u);
   for (int y = 0; y < rows; ++y) {
     const std::size_t row =
         std::size_t(tile.y + y) * std::size_t(frames.width) + std::size_t(tile.x);
@@ -199,10 +208,13 @@ void fade(const FadedFrames& frames, FrameTile& tile) {
       }
       const VF w = hn::LoadU(f, depths);
       const VU color = hn::LoadU(u, colors);
-      hn::Store(mixed(frames, tile.x + x, tile.y + y, color, w), u, plane.content + at);
+      const VU mix = mixed(frames, tile.x + x, tile.y + y, color, w);
+      hn::Store(mix, u, plane.content + at);
+      of_old = hn::Add(of_old, hn::IfThenElseZero(hn::FirstN(u, count), difference(mix, color)));
       hn::Store(w, f, plane.inverse_z + at);
     }
   }
+  return double(hn::GetLane(hn::SumOfLanes(u, of_old))) / (3.0 * columns * rows);
 }
 
 }  // namespace
@@ -215,8 +227,8 @@ namespace rilievo {
 
 HWY_EXPORT(fade);
 
-void fade_tile(const FadedFrames& frames, FrameTile& tile) {
-  HWY_DYNAMIC_DISPATCH(fade)(frames, tile);
+double fade_tile(const FadedFrames& frames, FrameTile& tile) {
+  return HWY_DYNAMIC_DISPATCH(fade)(frames, tile);
 }
 
 }  // namespace rilievo

@@ -35,7 +35,8 @@ struct FadedFrames {
 };
 
 // Fills the tile's first samples with the mixed colours, or with the new frame's where the old one
-// shows another surface, and with the new depths. SIMD.
-void fade_tile(const FadedFrames& frames, FrameTile& tile);
+// shows another surface, and with the new depths. Returns by how many levels, of 255, a byte of a
+// colour differs from the new frame's in the mean. SIMD.
+double fade_tile(const FadedFrames& frames, FrameTile& tile);
 
 }  // namespace rilievo

@@ -56,8 +56,10 @@ void FrameFade::mix(const SoftwareTarget& frame, const Camera& camera) {
   frames_.to_raster = {float(old_camera_.width / (old.right - old.left)),
                        float(old_camera_.height / (old.bottom - old.top))};
   frames_.raster_start = {float(old.left), float(old.top)};
+  most_ = 0;
   const TileDrawer* drawer = this;
   target_.draw(camera.z_far, {&drawer, 1});
+  if (most_ < kUnseen) left_ = 0;
 }
 
 void FrameFade::draw_objects() {
@@ -67,7 +69,9 @@ void FrameFade::draw_objects() {
 }
 
 void FrameFade::draw_tile(FrameTile& tile) const {
-  fade_tile(frames_, tile);
+  const double levels = fade_tile(frames_, tile);
+  for (double most = most_; levels > most && !most_.compare_exchange_weak(most, levels);) {
+  }
   std::fill_n(tile.changed, FrameTile::kBlockCount, true);
   if (tile.of == TileContent::color) return;
   const int x_end = std::min(tile.x + FrameTile::kSize, tile.width),

@@ -7,6 +7,7 @@
 // old frame does between its texels there. So the methods do not both have to draw.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 
 #include "rilievo/core/camera.h"
@@ -23,6 +24,10 @@ class FrameFade final : private TileDrawer {
   // Where both methods are measured to be as near to the truth as can be seen: a small part of the
   // frame may still differ.
   static constexpr int kFewFrames = 2;
+  // What is left of the old frame is not seen where a tile differs by fewer levels, of 255, in the
+  // mean: then the fade ends. A level is about 0.015 of FLIP, as little as frames of one method
+  // change more than the true ones do.
+  static constexpr double kUnseen = 1;
 
   // Takes the memory for frames of this size now, so that no fade does.
   void reserve(int width, int height);
@@ -46,6 +51,7 @@ class FrameFade final : private TileDrawer {
   void draw_tile(FrameTile& tile) const override;
 
   int of_ = kFrames, left_ = 0;
+  mutable std::atomic<double> most_{0};  // levels, of all tiles of a frame
   Rgba8Image old_;
   Image<float> old_inverse_z_;
   Camera old_camera_, camera_;

@@ -45,27 +45,33 @@ class FrameFadeTest : public ::testing::Test {
         sum += std::abs(double(a.texels()[i][k]) - double(b.texels()[i][k]));
     return sum / (3 * double(a.texels().size()));
   }
-  // The same picture, darker: what another method might show.
-  static SoftwareTarget darker(const SoftwareTarget& of) {
-    struct Half final : TileDrawer {
-      const SoftwareTarget* of = nullptr;
+  // A frame of that colour, at the depths of another one.
+  static SoftwareTarget showing(const Rgba8Image& color, const SoftwareTarget& depths) {
+    struct Shown final : TileDrawer {
+      const Rgba8Image* color = nullptr;
+      const SoftwareTarget* depths = nullptr;
       void draw_tile(FrameTile& tile) const override {
         for (int y = tile.y; y < std::min(tile.y + FrameTile::kSize, tile.height); ++y)
           for (int x = tile.x; x < std::min(tile.x + FrameTile::kSize, tile.width); ++x) {
             const TilePixel at(tile, x, y);
-            const glm::u8vec4 c = of->color()(x, y);
-            tile.first[at.block].content[at.pixel] = std::uint32_t(c.r / 2) |
-                                                     std::uint32_t(c.g / 2) << 8 |
-                                                     std::uint32_t(c.b / 2) << 16 | 255u << 24;
-            tile.first[at.block].inverse_z[at.pixel] = of->inverse_z()(x, y);
+            const glm::u8vec4 c = (*color)(x, y);
+            tile.first[at.block].content[at.pixel] = std::uint32_t(c.r) | std::uint32_t(c.g) << 8 |
+                                                     std::uint32_t(c.b) << 16 | 255u << 24;
+            tile.first[at.block].inverse_z[at.pixel] = depths->inverse_z()(x, y);
           }
       }
-    } half;
-    half.of = &of;
-    SoftwareTarget target(of.width(), of.height(), 1);
-    const TileDrawer* drawer = &half;
+    } shown;
+    shown.color = &color, shown.depths = &depths;
+    SoftwareTarget target(color.width(), color.height(), 1);
+    const TileDrawer* drawer = &shown;
     target.draw(1000, {&drawer, 1});
     return target;
+  }
+  // The same picture, darker: what another method might show.
+  static SoftwareTarget darker(const SoftwareTarget& of) {
+    Rgba8Image half = of.color();
+    for (glm::u8vec4& c : half.texels()) c = {c.r / 2, c.g / 2, c.b / 2, c.a};
+    return showing(half, of);
   }
 
   int width_ = 192;
@@ -200,6 +206,40 @@ TEST_F(FrameFadeTest, of_the_same_method_nearly_nothing_is_mixed) {
   fade.begin(old, camera(0));
   fade.mix(now, camera(3));
   EXPECT_LT(mean_difference(fade.target().color(), now.color()), 0.1 * all);
+}
+
+TEST_F(FrameFadeTest, ends_where_what_is_left_is_not_seen) {
+  width_ = 189;
+  FrameFade fade;
+  fade.begin(draw(1, 0), camera(0));
+  fade.mix(draw(0, 0), camera(0));
+  EXPECT_FALSE(fade.goes_on());
+  // In one tile alone: by fewer levels in each frame, until the mean of the tile is below kUnseen.
+  const SoftwareTarget& now = draw(0, 0);
+  const SoftwareTarget old = darker(now);
+  const int size = FrameTile::kSize;
+  for (const bool in_a_tile : {true, false}) {
+    Rgba8Image color = now.color();
+    const int from = in_a_tile ? size : size / 2;
+    for (int y = 0; y < size; ++y)
+      for (int x = from; x < from + size; ++x) color(x, y) = old.color()(x, y);
+    fade.begin(showing(color, now), camera(0));
+    int frames = 0;
+    std::vector<double> sums(3);
+    for (; fade.goes_on(); ++frames) {
+      fade.mix(now, camera(0));
+      std::fill(sums.begin(), sums.end(), 0);
+      for (int y = 0; y < size; ++y)
+        for (int x = 0; x < 2 * size; ++x)
+          for (int k = 0; k < 3; ++k)
+            sums[std::size_t(x / size)] +=
+                std::abs(int(fade.target().color()(x, y)[k]) - int(now.color()(x, y)[k]));
+      const double most = *std::max_element(sums.begin(), sums.end()) / (3 * size * size);
+      EXPECT_EQ(fade.goes_on(), most >= FrameFade::kUnseen && frames + 1 < FrameFade::kFrames)
+          << most;
+    }
+    EXPECT_GT(frames, 1);
+  }
 }
 
 // What it shows may shine otherwise.
