@@ -19,6 +19,9 @@ constexpr double kHopeOfUnknown = 0.7;
 constexpr double kDoubt = 0.02, kMostDoubt = 0.75, kGuessDoubt = 0.25;
 // Frames from a trial to the next of the same method: after the first one that fails, and at most.
 constexpr int kGap = 40, kMostGap = 640;
+// What takes as much as what draws, within kClose, counts as having failed so many times more: both
+// are known well, and to change over gains next to nothing.
+constexpr int kFailsOfClose = 2;
 // A jump makes what was measured older by so many frames.
 constexpr int kJumpAges = 200;
 // What is older than this is not known.
@@ -74,6 +77,10 @@ constexpr double kRaysPixelMs = 180e-6, kMaskedTimes = 4, kKeyframesPixelMs = 13
                  kKeyframesSkyMs = 8e-6;
 
 double doubt(int age) { return std::min(kMostDoubt, kDoubt * std::sqrt(double(age))); }
+
+int gap_after(int fails, bool close) {
+  return std::min(kMostGap, kGap << std::min(fails + (close ? kFailsOfClose : 0), 8));
+}
 
 // The mean without the largest, which may be the work of another program, and of others that take
 // much as of frames that are no trial.
@@ -287,7 +294,8 @@ void AutoDecision::change(int to) {
   left.age = 0, left.slow = slow_;
   left.guess_ms = guesses_[std::size_t(draws_)];
   // Methods that take the same must not take turns.
-  left.gap = std::min(kMostGap, kGap << std::min(left.fails, 8));
+  const bool close = std::abs(costs_[std::size_t(to)].mean_ms / left.mean_ms - 1) <= kClose;
+  left.gap = gap_after(left.fails, close);
   ++left.fails;
   draws_ = to;
   costs_[std::size_t(to)].recent.forget();
@@ -345,7 +353,7 @@ void AutoDecision::end_trial(std::span<const AutoOutlook> outlook) {
   if (!wins) {
     // It warms up again.
     if (candidates_[std::size_t(draws_)].warm_up >= kWarmsUpLong) since_change_ = 0;
-    cost.gap = std::min(kMostGap, kGap << std::min(cost.fails, 8));
+    cost.gap = gap_after(cost.fails, drawn - tried.warm_up >= kCloseTrial);
     ++cost.fails;
     return;
   }

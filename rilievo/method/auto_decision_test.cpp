@@ -192,6 +192,19 @@ TEST(AutoDecision, equal_methods_do_not_take_turns) {
   }
 }
 
+// As in park-inside. Each trial is seen as two changes: three trials in the mean.
+TEST(AutoDecision, methods_that_cost_nearly_the_same_are_tried_seldom) {
+  int all = 0;
+  for (int seed = 0; seed < 50; ++seed) {
+    const Walk drawn = walk({{{"direct", 0}, always(20), 1},
+                             {{"cache", 1, 12}, always(20.4), 0, 1.2},
+                             {{"lod", 2, 1}, always(19.8), 1}},
+                            1, 240, 0.25, std::uint32_t(seed));
+    all += drawn.changes;
+  }
+  EXPECT_LT(all, 50 * 7);
+}
+
 // Each change takes a trial and a fade, so that after some of them little gain is no reason.
 TEST(AutoDecision, methods_that_gain_little_by_turns_change_seldom) {
   const auto changes = [](double gain, int each) {
