@@ -3,7 +3,6 @@
 #include <time.h>
 
 #include <algorithm>
-#include <cstring>
 
 #include "rilievo/method/auto_decision.h"
 #include "rilievo/method/good_enough.h"
@@ -26,11 +25,9 @@ double thread_ms() {
 
 void FrameLoss::add(const Camera& camera, std::span<const std::uint32_t> objects,
                     const Rgba8Image& color, int times) {
-  if (shown_.width() != color.width() || shown_.height() != color.height())
-    shown_ = Image<std::uint32_t>(color.width(), color.height());
-  std::memcpy(shown_.texels().data(), color.texels().data(), color.texels().size_bytes());
-  for (int i = 0; i < times; ++i)
-    loss_.add(camera, objects, shown_, i == 0 ? kRememberedFrames : 1);
+  const std::span shown(reinterpret_cast<const std::uint32_t*>(color.texels().data()),
+                        color.texels().size());
+  for (int i = 0; i < times; ++i) loss_.add(camera, objects, shown, i == 0 ? kRememberedFrames : 1);
 }
 
 std::optional<double> FrameLoss::db() const {

@@ -38,7 +38,6 @@ class FrameLoss {
   std::optional<RayScene> own_;
   const RayScene* rays_;
   SampledLoss loss_;
-  Image<std::uint32_t> shown_;
 };
 
 // A frame that was shown.

@@ -420,7 +420,7 @@ Result<> KeyframeFrames::look_from(const Camera& camera, double time) {
 std::optional<double> KeyframeFrames::sample_loss() {
   State& s = *state_;
   if (!s.loss) s.loss.emplace(s.rays);
-  if (s.warps) s.loss->add(s.camera, s.still, s.warped.color);
+  if (s.warps) s.loss->add(s.camera, s.still, s.warped.color.texels());
   return s.loss->known() ? std::optional(s.loss->loss_db()) : std::nullopt;
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "rilievo/core/color.h"
+#include "rilievo/core/expects.h"
 #include "rilievo/keyframes/warp_keyframes.h"
 #include "rilievo/render/shading/sky_rays.h"
 
@@ -123,7 +124,8 @@ void SampledLoss::cast(const Camera& camera, std::span<const FramePixel> pixels,
 }
 
 void SampledLoss::add(const Camera& camera, std::span<const std::uint32_t> objects,
-                      const Image<std::uint32_t>& shown, double remembered) {
+                      std::span<const std::uint32_t> shown, double remembered) {
+  RILIEVO_EXPECTS_EQ(shown.size(), std::size_t(camera.width) * std::size_t(camera.height));
   const RasterRect rect = find_rect(camera, objects);
   choose_pixels(camera, rect);
   const auto in_rect = double(std::ranges::count_if(
@@ -173,7 +175,8 @@ void SampledLoss::add(const Camera& camera, std::span<const std::uint32_t> objec
       const glm::dvec3 sky = sky_bytes(pixels_[i].x, pixels_[i].y);
       const glm::dvec3 truth = mean(all, 4 * kSamples, sky);
       const double of_direct = square(mean(few, kSamples, sky) - truth);
-      const std::uint32_t seen = shown(pixels_[i].x, pixels_[i].y);
+      const std::uint32_t seen =
+          shown[std::size_t(pixels_[i].y) * std::size_t(camera.width) + pixels_[i].x];
       const double weight = lies_in(rect, pixels_[i]) ? of_inner : of_outer;
       shown_ += weight *
                 (seen == 0 || seen == kCoveredPixel || seen == kPlainSky

@@ -42,11 +42,11 @@ class SampledLoss {
   // `rays`, of the scene, must outlive the object.
   explicit SampledLoss(const RayScene& rays);
 
-  // A frame was warped, of `objects` and nothing else. `shown`: its colours, as WarpedFrame's; what
-  // is covered, and plain sky, counts as direct drawing. `remembered`: the share of the sums that
-  // is kept.
+  // A frame was warped, of `objects` and nothing else. `shown`: its colours by rows, as
+  // WarpedFrame's; what is covered, and plain sky, counts as direct drawing. `remembered`: the
+  // share of the sums that is kept.
   void add(const Camera& camera, std::span<const std::uint32_t> objects,
-           const Image<std::uint32_t>& shown, double remembered = kRemembered);
+           std::span<const std::uint32_t> shown, double remembered = kRemembered);
   void forget() { shown_ = direct_ = counted_ = surfaces_ = 0; }
 
   [[nodiscard]] bool known() const { return counted_ >= kEnough && surfaces_ >= kEnoughSurfaces; }

@@ -115,7 +115,7 @@ TEST_F(SampledLossTest, direct_drawing_loses_nothing) {
   SampledLoss loss(*rays_);
   for (int i = 0; i < 20; ++i) {
     const Camera camera = camera_at(path_, frame_time(path_, 2 * i), kWidth, kHeight);
-    loss.add(camera, objects_, warped_as(draw(camera, 1)));
+    loss.add(camera, objects_, warped_as(draw(camera, 1)).texels());
   }
   ASSERT_TRUE(loss.known());
   // Rays and the rasteriser differ at samples on edges, and bytes are rounded once more.
@@ -126,7 +126,7 @@ TEST_F(SampledLossTest, holes_are_filled_and_lose_nothing) {
   SampledLoss loss(*rays_);
   for (int i = 0; i < 20; ++i)
     loss.add(camera_at(path_, frame_time(path_, 2 * i), kWidth, kHeight), objects_,
-             Image<std::uint32_t>(kWidth, kHeight, 0u));
+             Image<std::uint32_t>(kWidth, kHeight, 0u).texels());
   ASSERT_TRUE(loss.known());
   EXPECT_EQ(loss.loss_db(), 0);
 }
@@ -143,7 +143,7 @@ void SampledLossTest::expect_ratio_of_whole_frames(const std::function<Camera(in
     for (int y = 0; y < kHeight; ++y)
       for (int x = 1; x < kWidth; ++x) off(x, y) = of_direct(x - 1, y);
     direct += mean_square(of_direct, truth), shown += mean_square(off, truth);
-    loss.add(camera, objects_, warped_as(off));
+    loss.add(camera, objects_, warped_as(off).texels());
   }
   ASSERT_TRUE(loss.known());
   const double frames_loss = SampledLoss::loss_db(shown, direct, 40);
@@ -195,7 +195,7 @@ TEST_F(SampledLossTest, what_nobody_sees_is_the_least_that_direct_drawing_is_off
         color[c] = std::uint8_t(color[c] > 128 ? color[c] - steps : color[c] + steps);
     SampledLoss loss(*rays_);
     const std::uint32_t objects[] = {0};
-    for (int i = 0; i < 20; ++i) loss.add(camera, objects, warped_as(off));
+    for (int i = 0; i < 20; ++i) loss.add(camera, objects, warped_as(off).texels());
     ASSERT_TRUE(loss.known());
     const double k = steps, rounding = 0.25;
     EXPECT_NEAR(loss.loss_db(), 10 * std::log10((3 * k * k + rounding) / (3 + rounding)), 0.5)
