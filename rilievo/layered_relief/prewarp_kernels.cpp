@@ -99,53 +99,78 @@ HWY_INLINE std::size_t count_first(hn::Mask<I> mask, std::uint32_t count) {
   return hn::CountTrue(i, mask);
 }
 
-// Copies a sample to `to`, the texel `right` further, and both `below` further. Right and below may
-// be 0.
-HWY_INLINE void copy_two_by_two(ReliefSample* to, std::ptrdiff_t right, std::ptrdiff_t below,
-                                const ReliefSample* from) {
+// How copy_rectangle() is told of so many columns: by a mask if masked stores are cheap.
+HWY_INLINE VI columns_of(VI wide) {
 #if HWY_TARGET <= HWY_AVX3
-  // Two texels of a row at once, if masked stores are cheap.
-  const hn::FixedTag<std::uint64_t, 2> pair;
-  std::uint64_t word;
-  std::memcpy(&word, from, 8);
-  const auto twice = hn::Set(pair, word);
-  const auto columns = hn::FirstN(pair, std::size_t(1 + right));
-  hn::BlendedStore(twice, columns, pair, reinterpret_cast<std::uint64_t*>(to));
-  hn::BlendedStore(twice, columns, pair, reinterpret_cast<std::uint64_t*>(to + below));
+  const VI one = hn::Set(I(), 1);
+  return hn::Sub(hn::Shl(one, wide), one);
 #else
-  copy(to, from);
-  copy(to + right, from);
-  copy(to + below, from);
-  copy(to + below + right, from);
+  return wide;
 #endif
 }
 
-// Copies a sample to `wide` columns of `high` rows from `to`, at most kMost (3 or 4) each. Every
-// row is stored to, a missing one again where the last one is: how many there are is as good as
-// random, and a branch on it would be foretold wrongly.
-template <int kMost>
-HWY_INLINE void copy_rectangle(ReliefSample* to, int wide, int high, std::ptrdiff_t pitch,
-                               const ReliefSample* from) {
+// Copies a sample to `columns` of `high` rows from `to`, at most kWide (2 or 4) and kHigh each.
+// Every row is stored to, a missing one again where the last one is: how many there are is as good
+// as random, and a branch on it would be foretold wrongly.
+template <int kWide, int kHigh>
+HWY_INLINE void copy_rectangle(ReliefSample* to, std::int32_t columns, int high,
+                               std::ptrdiff_t pitch, const ReliefSample* from) {
+  // To the next row, or none. Compilers make a branch of `row < high ? pitch : 0`.
+  const auto step = [&](int row) { return pitch & -std::ptrdiff_t(row < high); };
 #if HWY_TARGET <= HWY_AVX3
-  const hn::FixedTag<std::uint64_t, 4> four;
+  const hn::FixedTag<std::uint64_t, kWide> d;
   std::uint64_t word;
   std::memcpy(&word, from, 8);
-  const auto copies = hn::Set(four, word);
-  const auto columns = hn::FirstN(four, std::size_t(wide));
-  for (int row = 0; row < kMost; ++row) {
-    hn::BlendedStore(copies, columns, four, reinterpret_cast<std::uint64_t*>(to));
-    to += row + 1 < high ? pitch : 0;
-  }
+  const auto copies = hn::Set(d, word);
+  std::uint8_t bits[8] = {};
+  std::memcpy(bits, &columns, sizeof columns);
+  const auto mask = hn::LoadMaskBits(d, bits);
+  for (int row = 1; row <= kHigh; to += step(row++))
+    hn::BlendedStore(copies, mask, d, reinterpret_cast<std::uint64_t*>(to));
 #else
-  for (int row = 0; row < kMost; ++row) {
+  for (int row = 1; row <= kHigh; to += step(row++)) {
     ReliefSample* column = to;
-    for (int k = 0; k < kMost; ++k) {
-      copy(column, from);
-      column += k + 1 < wide ? 1 : 0;
-    }
-    to += row + 1 < high ? pitch : 0;
+    for (int k = 1; k <= kWide; column += k++ < columns) copy(column, from);
   }
 #endif
+}
+
+// Splats that cover texels: where the first is, how far they go, and whose they are. Compressed
+// vectors are stored whole.
+struct Found {
+  static constexpr std::size_t kStored = kBlock + hn::MaxLanes(F());
+  HWY_ALIGN std::int32_t address[kStored], wide[kStored], high[kStored], which[kStored];
+  std::size_t count = 0;
+};
+
+template <int kWide, int kHigh>
+void copy_found(const Found& found, const PrewarpTile& tile, const ReliefSample* samples) {
+  ReliefSample* const texels = tile.texels;
+  const std::ptrdiff_t pitch = tile.pitch;
+  const std::size_t count = found.count;
+  for (std::size_t n = 0; n < count; ++n)
+    copy_rectangle<kWide, kHigh>(texels + found.address[n], found.wide[n], found.high[n], pitch,
+                                 samples + found.which[n]);
+}
+
+// Of at most four texels along an axis: by what is enough for the largest of them.
+void copy_few(const Found& found, int widest, int highest, const PrewarpTile& tile,
+              const ReliefSample* samples) {
+  if (widest <= 2) {
+    if (highest <= 2)
+      copy_found<2, 2>(found, tile, samples);
+    else if (highest == 3)
+      copy_found<2, 3>(found, tile, samples);
+    else
+      copy_found<2, 4>(found, tile, samples);
+  } else {
+    if (highest <= 2)
+      copy_found<4, 2>(found, tile, samples);
+    else if (highest == 3)
+      copy_found<4, 3>(found, tile, samples);
+    else
+      copy_found<4, 4>(found, tile, samples);
+  }
 }
 
 // Copies samples to where they belong, in their order.
@@ -221,20 +246,17 @@ std::size_t nearest_run(const PrewarpCoefficients& k, const PrewarpRun& run,
   return drawn;
 }
 
-// Splats of at most one texel, of at most two, three or four along an axis, or of any size. Texels
-// whose centres lie in [left, right) x [top, bottom) of a splat are covered; two splats that share
-// an edge compute the same number for it.
+// Splats of at most one texel, of at most four along an axis, or of any size. Texels whose centres
+// lie in [left, right) x [top, bottom) of a splat are covered; two splats that share an edge
+// compute the same number for it.
 template <SplatReach reach>
 std::size_t splat_run(const PrewarpCoefficients& k, const PrewarpRun& run,
                       const PrewarpTile& tile) {
   const F f;
   const I i;
   const std::uint32_t lanes = std::uint32_t(hn::Lanes(f));
-  // Of those that cover texels: where, how far, and which they are. Compressed vectors are stored
-  // whole.
-  constexpr std::size_t kStored = kBlock + hn::MaxLanes(f);
-  HWY_ALIGN std::int32_t address[kStored], wide[kStored], high[kStored], which[kStored];
-  const VI one = hn::Set(i, 1), pitch = hn::Set(i, tile.pitch);
+  Found found;
+  const VI lane = hn::Iota(i, 0), pitch = hn::Set(i, tile.pitch);
   const VI x_first = hn::Set(i, tile.x + kIndexBits);
   const VI x_last = hn::Set(i, tile.x + tile.width + kIndexBits);
   const VI y_first = hn::Set(i, tile.y + kIndexBits);
@@ -247,7 +269,8 @@ std::size_t splat_run(const PrewarpCoefficients& k, const PrewarpRun& run,
   for (std::uint32_t begin = 0; begin < run.count; begin += kBlock) {
     const std::uint32_t count = std::min(kBlock, run.count - begin);
     const ReliefSample* samples = run.samples + begin;
-    std::size_t found = 0;
+    found.count = 0;
+    VI widest = hn::Zero(i), highest = hn::Zero(i);
     for (std::uint32_t at = 0; at < count; at += lanes) {
       const Lanes s = load(k, samples + at);
       const auto edge = [&](VF position, VF end, VF shift) {
@@ -269,36 +292,37 @@ std::size_t splat_run(const PrewarpCoefficients& k, const PrewarpRun& run,
       if (count - at < lanes) covers = hn::And(covers, hn::FirstN(i, count - at));
       const VI to = hn::Add(hn::Mul(hn::Sub(y0, y_first), pitch), hn::Sub(x0, x_first));
       const auto keep = [&](VI value, std::int32_t* values) HWY_ATTR {
-        hn::StoreU(hn::Compress(value, covers), i, values + found);
+        hn::StoreU(hn::Compress(value, covers), i, values + found.count);
       };
-      keep(to, address);
-      keep(hn::Iota(i, std::int32_t(at)), which);
-      if constexpr (reach == SplatReach::two) {
-        // Steps to the second column and row, or none.
-        keep(hn::Sub(hn::Sub(x1, x0), one), wide);
-        keep(hn::IfThenElseZero(hn::Gt(hn::Sub(y1, y0), one), pitch), high);
-      } else if constexpr (reach != SplatReach::one) {
-        keep(hn::Sub(x1, x0), wide);
-        keep(hn::Sub(y1, y0), high);
+      keep(to, found.address);
+      keep(hn::Add(lane, hn::Set(i, std::int32_t(at))), found.which);
+      if constexpr (reach != SplatReach::one) {
+        const VI wide = hn::Sub(x1, x0), high = hn::Sub(y1, y0);
+        if constexpr (reach == SplatReach::few) {
+          widest = hn::Max(widest, hn::IfThenElseZero(covers, wide));
+          highest = hn::Max(highest, hn::IfThenElseZero(covers, high));
+          keep(columns_of(wide), found.wide);
+        } else {
+          keep(wide, found.wide);
+        }
+        keep(high, found.high);
       }
-      found += hn::CountTrue(i, covers);
+      found.count += hn::CountTrue(i, covers);
     }
-    drawn += found;
+    drawn += found.count;
     if constexpr (reach == SplatReach::one) {
-      for (std::size_t n = 0; n < found; ++n) copy(texels + address[n], samples + which[n]);
-    } else if constexpr (reach == SplatReach::two) {
-      for (std::size_t n = 0; n < found; ++n)
-        copy_two_by_two(texels + address[n], wide[n], high[n], samples + which[n]);
-    } else if constexpr (reach != SplatReach::many) {
-      constexpr int kMost = reach == SplatReach::three ? 3 : 4;
-      for (std::size_t n = 0; n < found; ++n)
-        copy_rectangle<kMost>(texels + address[n], wide[n], high[n], tile.pitch,
-                              samples + which[n]);
+      for (std::size_t n = 0; n < found.count; ++n)
+        copy(texels + found.address[n], samples + found.which[n]);
+    } else if constexpr (reach == SplatReach::few) {
+      if (found.count > 0)
+        copy_few(found, hn::GetLane(hn::MaxOfLanes(i, widest)),
+                 hn::GetLane(hn::MaxOfLanes(i, highest)), tile, samples);
     } else {
-      for (std::size_t n = 0; n < found; ++n) {
-        ReliefSample* to = texels + address[n];
-        for (int row = 0; row < high[n]; ++row, to += tile.pitch)
-          for (int column = 0; column < wide[n]; ++column) copy(to + column, samples + which[n]);
+      for (std::size_t n = 0; n < found.count; ++n) {
+        ReliefSample* to = texels + found.address[n];
+        for (int row = 0; row < found.high[n]; ++row, to += tile.pitch)
+          for (int column = 0; column < found.wide[n]; ++column)
+            copy(to + column, samples + found.which[n]);
       }
     }
   }
@@ -315,14 +339,8 @@ std::size_t draw_tile(const PrewarpCoefficients& k, std::span<const PrewarpRun> 
       case SplatReach::one:
         drawn += splat_run<SplatReach::one>(k, run, tile);
         break;
-      case SplatReach::two:
-        drawn += splat_run<SplatReach::two>(k, run, tile);
-        break;
-      case SplatReach::three:
-        drawn += splat_run<SplatReach::three>(k, run, tile);
-        break;
-      case SplatReach::four:
-        drawn += splat_run<SplatReach::four>(k, run, tile);
+      case SplatReach::few:
+        drawn += splat_run<SplatReach::few>(k, run, tile);
         break;
       case SplatReach::many:
         drawn += splat_run<SplatReach::many>(k, run, tile);

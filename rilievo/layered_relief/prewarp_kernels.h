@@ -21,8 +21,8 @@ struct PrewarpCoefficients {
   float least_code = 0;  // nearer samples are left out: they are behind the eye, or too near
 };
 
-// The largest number of texels that a splat of a run can cover along an axis.
-enum class SplatReach { nearest, one, two, three, four, many };
+// The largest number of texels that a splat of a run can cover along an axis; few: four.
+enum class SplatReach { nearest, one, few, many };
 
 // A range of a stream that can reach the destination tile.
 struct PrewarpRun {

@@ -88,9 +88,7 @@ SplatReach Search::reach(const ReliefNode& node, const glm::dvec2& half) const {
       std::max(warp_.magnification(nearest_d(node)), warp_.magnification(relief_.d(node.farthest)));
   // An interval shorter than one holds at most one centre; a little is left for rounding.
   if (largest < 0.999) return SplatReach::one;
-  if (largest < 1.999) return SplatReach::two;
-  if (largest < 2.999) return SplatReach::three;
-  return largest < 3.999 ? SplatReach::four : SplatReach::many;
+  return largest < 3.999 ? SplatReach::few : SplatReach::many;
 }
 
 void Search::add_tile(const Sheet& sheet, const ReliefNode& node, int x, int y) {

@@ -7,6 +7,7 @@
 #include "rilievo/core/depth.h"
 #include "rilievo/core/expects.h"
 #include "rilievo/core/parallel_for.h"
+#include "rilievo/nailboard/nearest_beside.h"
 
 namespace rilievo {
 namespace {
@@ -72,20 +73,6 @@ void halve(const Prewarped& picture, int level, Prewarped& halved, Prewarped& sc
   }
 }
 
-// Of row `y` of the picture, within the piece and one texel beyond its ends: the nearest Delta of
-// the texels above, at and below.
-void nearest_of_columns(const Prewarped& picture, const PicturePiece& piece, int y,
-                        std::vector<std::uint16_t>& nearest) {
-  const int w = picture.width(), h = picture.height();
-  nearest.assign(std::size_t(piece.width) + 2, std::uint16_t(kEmptyDelta));
-  const int from = std::max(piece.x - 1, 0), to = std::min(piece.x + piece.width + 1, w);
-  for (int row = std::max(y - 1, 0); row <= std::min(y + 1, h - 1); ++row) {
-    const std::uint16_t* delta = &picture.delta[std::size_t(row) * std::size_t(w)];
-    std::uint16_t* out = nearest.data() + (from - piece.x + 1);
-    for (int x = from; x < to; ++x, ++out) *out = std::min(*out, delta[x]);
-  }
-}
-
 }  // namespace
 
 void halve_prewarped(const Prewarped& picture, int level, Prewarped& halved, Prewarped& scratch) {
@@ -130,16 +117,21 @@ PictureGeometry placed(PictureGeometry geometry, const glm::dmat4& world_from_ca
   return geometry;
 }
 
-void codes_of_row(const Prewarped& picture, const PicturePiece& piece, int y, std::uint16_t* codes,
-                  std::vector<std::uint16_t>& nearest) {
-  const int v = piece.y + y;
-  nearest_of_columns(picture, piece, v, nearest);
-  const std::uint16_t* around = nearest.data();
-  const std::uint16_t* delta =
-      picture.delta.data() + std::size_t(v) * std::size_t(picture.width()) + std::size_t(piece.x);
-  for (std::size_t x = 0; x < std::size_t(piece.width); ++x) {
-    const std::uint16_t beside = std::min(std::min(around[x], around[x + 1]), around[x + 2]);
-    codes[x] = delta[x] == kEmptyDelta ? beside : delta[x];
+void codes_of_row(const Prewarped& picture, const PicturePiece& piece, int y,
+                  std::uint16_t* codes) {
+  const int w = picture.width(), h = picture.height(), v = piece.y + y;
+  const auto row = [&](int at) {
+    return picture.delta.data() + std::size_t(std::clamp(at, 0, h - 1)) * std::size_t(w) +
+           std::size_t(piece.x);
+  };
+  const std::uint16_t* const rows[3] = {row(v - 1), row(v), row(v + 1)};
+  nearest_beside(rows[0], rows[1], rows[2], piece.width, codes);
+  for (const int x : {0, piece.width - 1}) {
+    codes[x] = rows[1][x];
+    if (codes[x] != kEmptyDelta) continue;
+    const int from = std::max(x - 1, -piece.x), to = std::min(x + 1, w - 1 - piece.x);
+    for (const std::uint16_t* at : rows)
+      codes[x] = std::min(codes[x], *std::min_element(at + from, at + to + 1));
   }
 }
 
@@ -150,12 +142,10 @@ void encode_prewarped(const Prewarped& picture, const PicturePiece& piece, Encod
   const int columns = blocks_across(piece.width), rows = blocks_across(piece.height);
   encoded.picture.blocks.resize(std::size_t(columns) * std::size_t(rows));
   parallel_for(0, rows, [&, width, columns](int row) {
-    static thread_local std::vector<std::uint16_t> nearest;
     const int begin = row * kBlockTexels, end = std::min(piece.height, begin + kBlockTexels);
     for (int y = begin; y < end; ++y) {
       const int row_of = piece.height - 1 - y;  // from the top
-      codes_of_row(picture, piece, row_of, encoded.picture.codes16.data() + std::size_t(y) * width,
-                   nearest);
+      codes_of_row(picture, piece, row_of, encoded.picture.codes16.data() + std::size_t(y) * width);
       const std::size_t source =
           std::size_t(piece.y + row_of) * std::size_t(picture.width()) + std::size_t(piece.x);
       std::copy_n(picture.color.data() + source, width,

@@ -33,10 +33,8 @@ struct PicturePiece {
                                      const glm::dmat4& world_from_capture);
 
 // The codes of row `y` of a piece, from the top: an empty texel gets the nearest Delta beside it,
-// in the piece or around it, or the code of emptiness. `codes` has the piece's width; `nearest` is
-// scratch memory.
-void codes_of_row(const Prewarped& picture, const PicturePiece& piece, int y, std::uint16_t* codes,
-                  std::vector<std::uint16_t>& nearest);
+// in the piece or around it, or the code of emptiness. `codes` has the piece's width.
+void codes_of_row(const Prewarped& picture, const PicturePiece& piece, int y, std::uint16_t* codes);
 
 // A piece as an atlas takes it.
 struct EncodedPiece {

@@ -62,7 +62,8 @@ void SoftwareNailboard::fill(int width, int height, int delta_bits, const Row& r
     static thread_local std::vector<std::uint32_t> common_kept;
     codes_kept.assign(stride, kNoCode), nearest_kept.assign(stride, kNoCode);
     farthest_kept.assign(stride, 0), common_kept.assign(stride, ~0u);
-    // Where these are is not asked for each texel.
+    // Where these are, and how many, is not asked for each texel.
+    const int columns = width;
     std::uint16_t* const codes = codes_kept.data();
     std::uint16_t* const nearest = nearest_kept.data();
     std::uint16_t* const farthest = farthest_kept.data();
@@ -73,9 +74,9 @@ void SoftwareNailboard::fill(int width, int height, int delta_bits, const Row& r
       std::memcpy(color, row(y, codes), std::size_t(width) * sizeof *color);
       std::fill(color + width, color + stride, 0);
       std::memcpy(&code_pairs_[std::size_t(y) * stride / 2], codes, stride * sizeof *codes);
-      for (int x = 0; x < width; ++x) nearest[x] = std::min(nearest[x], codes[x]);
-      for (int x = 0; x < width; ++x) farthest[x] = std::max(farthest[x], codes[x]);
-      for (int x = 0; x < width; ++x) common[x] &= color[x];
+      for (int x = 0; x < columns; ++x) nearest[x] = std::min(nearest[x], codes[x]);
+      for (int x = 0; x < columns; ++x) farthest[x] = std::max(farthest[x], codes[x]);
+      for (int x = 0; x < columns; ++x) common[x] &= color[x];
     }
     for (int cell = 0; cell < cells_across(); ++cell) {
       std::uint16_t least = kNoCode;
@@ -115,8 +116,7 @@ void SoftwareNailboard::assign(int width, int height, std::span<const glm::u8vec
 
 void SoftwareNailboard::assign(const Prewarped& picture, const PicturePiece& piece) {
   fill(piece.width, piece.height, picture.geometry.delta_bits, [&](int y, std::uint16_t* codes) {
-    static thread_local std::vector<std::uint16_t> nearest;
-    codes_of_row(picture, piece, y, codes, nearest);
+    codes_of_row(picture, piece, y, codes);
     return &picture.color[std::size_t(piece.y + y) * std::size_t(picture.width()) +
                           std::size_t(piece.x)];
   });
