@@ -1,30 +1,27 @@
 #include "apps/rilievo/draw_speed.h"
 
-#include <cmath>
+#include <fmt/format.h>
+
+#include <chrono>
 #include <cstdlib>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <string>
-#include <thread>
 
+#include "apps/commit.h"
+#include "apps/rilievo/kept_speed.h"
 #include "rilievo/cache/gl/measure_opengl.h"
 #include "rilievo/cache/software/measure_software.h"
 #include "rilievo/core/file.h"
 #include "rilievo/gl/context.h"
+#include "rilievo/gl/driver.h"
+#include "rilievo/measure/machine.h"
 
 namespace rilievo::app {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 // The share of software's time that OpenGL may take at most to be the faster one.
 constexpr double kPlainlyFaster = 0.75;
-constexpr const char* kSpeedSchema = "rilievo-draw-speed-1";
 constexpr std::uint64_t kMaxKeptBytes = 1 << 16;
-
-struct DrawSpeed {
-  PolygonTimes opengl, software;
-};
 
 // Where it is kept; empty: nowhere.
 std::filesystem::path kept_file() {
@@ -38,52 +35,23 @@ std::filesystem::path kept_file() {
   return {};
 }
 
-// Of this machine: the file may lie in a home that several share.
-Json of_this_machine() {
-  return {{"schema", kSpeedSchema},
-          {"gl_renderer", gl::renderer_name()},
-          {"threads", std::thread::hardware_concurrency()}};
+// The file may lie in a home that several machines share.
+SpeedDependsOn of_this_machine() {
+  const Machine machine = this_machine();
+  return {gl::renderer_name(), gl::driver_version(), machine.cpu,
+          fmt::format("{} ({})", RILIEVO_VERSION, commit()), machine.threads};
 }
 
-std::optional<PolygonTimes> parse_times(const Json& json, const char* name) {
-  const auto time = [&](const char* key) {
-    const double ns = json.at(name).at(key).get<double>();
-    return ns >= kLeastNs && ns <= kMostNs ? ns : 0.0;
-  };
-  const PolygonTimes times{time("triangle_ns"), time("pixel_ns")};
-  if (times.triangle_ns == 0 || times.pixel_ns == 0) return std::nullopt;
-  return times;
-}
-
-// None: there is no file, it is damaged, or it is another machine's.
-std::optional<DrawSpeed> read_kept(const std::filesystem::path& file) {
-  const Result<std::string> text = read_file(file, kMaxKeptBytes);
-  if (!text) return std::nullopt;
-  try {
-    const Json json = Json::parse(*text);
-    const Json ours = of_this_machine();
-    for (const auto& [key, value] : ours.items())
-      if (json.at(key) != value) return std::nullopt;
-    const std::optional<PolygonTimes> opengl = parse_times(json, "opengl"),
-                                      software = parse_times(json, "software");
-    if (!opengl || !software) return std::nullopt;
-    return DrawSpeed{*opengl, *software};
-  } catch (const Json::exception&) {
-    return std::nullopt;
-  }
+std::int64_t seconds_since_1970() {
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  return std::chrono::duration_cast<std::chrono::seconds>(now).count();
 }
 
 // What cannot be kept is measured again.
-void keep(const DrawSpeed& speed, const std::filesystem::path& file) {
-  const auto times = [](const PolygonTimes& of) {
-    return Json{{"triangle_ns", of.triangle_ns}, {"pixel_ns", of.pixel_ns}};
-  };
-  Json json = of_this_machine();
-  json["opengl"] = times(speed.opengl);
-  json["software"] = times(speed.software);
+void keep(const KeptSpeed& kept, const SpeedDependsOn& on, const std::filesystem::path& file) {
   std::error_code failed;
   std::filesystem::create_directories(file.parent_path(), failed);
-  if (!failed) static_cast<void>(write_file(file, json.dump(2) + "\n"));
+  if (!failed) static_cast<void>(write_file(file, kept_speed_json(kept, on)));
 }
 
 Result<DrawSpeed> measure() {
@@ -92,6 +60,21 @@ Result<DrawSpeed> measure() {
   const Result<PolygonTimes> software = measure_polygons_by_software();
   if (!software) return software.error();
   return DrawSpeed{*opengl, *software};
+}
+
+// As it is kept, or measured and kept.
+Result<DrawSpeed> kept_or_measured() {
+  const std::filesystem::path file = kept_file();
+  if (file.empty()) return measure();
+  const SpeedDependsOn on = of_this_machine();
+  std::optional<KeptSpeed> kept;
+  if (const Result<std::string> text = read_file(file, kMaxKeptBytes))
+    kept = parse_kept_speed(*text, on);
+  const std::int64_t now = seconds_since_1970();
+  if (kept && holds(*kept, now)) return kept->speed;
+  Result<DrawSpeed> measured = measure();
+  if (measured) keep(measured_again(kept ? &*kept : nullptr, *measured, now), on, file);
+  return measured;
 }
 
 }  // namespace
@@ -108,14 +91,11 @@ Result<bool> software_is_faster(double triangles, double pixels,
                    {software.triangle_ns, software.polygon_pixel_ns}});
   }
   static std::optional<DrawSpeed> known;
-  if (known) return faster(*known);
-  const std::filesystem::path file = kept_file();
-  if (!file.empty()) known = read_kept(file);
-  if (known) return faster(*known);
-  Result<DrawSpeed> measured = measure();
-  if (!measured) return measured.error();
-  known = *measured;
-  if (!file.empty()) keep(*known, file);
+  if (!known) {
+    Result<DrawSpeed> speed = kept_or_measured();
+    if (!speed) return speed.error();
+    known = *speed;
+  }
   return faster(*known);
 }
 

@@ -1,9 +1,9 @@
 // OpenGL or software: which draws faster on this machine?
 //
 // Both draw a small scene of polygons first, for half a second. What they took is kept in
-// $XDG_CACHE_HOME/rilievo/draw_speed.json, or in ~/.cache, and holds as long as the OpenGL driver
-// and the number of processors are the same; so a machine chooses the same in every run. Where no
-// file can be kept it is measured in each run.
+// $XDG_CACHE_HOME/rilievo/draw_speed.json, or in ~/.cache, for runs of the same build on the same
+// machine, for a day, or for a month if it agrees with the one before (kept_speed.h). Where no file
+// can be kept it is measured in each run.
 #pragma once
 
 #include <optional>

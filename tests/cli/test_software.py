@@ -98,14 +98,16 @@ class Software(command.Case):
                 speed[faster][part], speed[slower][part] = 1, 100
             file.write_text(json.dumps(speed))
             self.assertEqual(self.drawn_by(kept), faster)
-        # Damaged, or another machine's: it is measured again.
-        for text in "{", json.dumps({**speed, "gl_renderer": "another"}):
-            file.write_text(text)
+        # Damaged, another machine's or build's, or of long ago: it is measured again.
+        old = {"measured_at": speed["measured_at"] - 40 * 24 * 3600, "agreed": 1}
+        for other in None, {"gl_renderer": "another"}, {"program": "another"}, old:
+            file.write_text(json.dumps({**speed, **other}) if other else "{")
             # Beside other work either may be found to be the faster one.
             self.assertIn(self.drawn_by(kept), ("opengl", "software"))
             again = json.loads(file.read_text())
             self.assertEqual(set(again), set(speed))
-            self.assertNotEqual(again["gl_renderer"], "another")
+            self.assertNotIn("another", (again["gl_renderer"], again["program"]))
+            self.assertGreaterEqual(again["measured_at"], speed["measured_at"])
             self.assertNotEqual(again["software"]["triangle_ns"], speed["software"]["triangle_ns"])
 
     def test_no_place_to_keep_what_was_measured_is_no_error(self):
