@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "rilievo/method/auto_decision.h"
+#include "rilievo/method/frame_load.h"
 #include "rilievo/method/good_enough.h"
 #include "rilievo/render/placed_scene.h"
 

@@ -6,13 +6,13 @@
 //
 // A trial must be able to pay. A measured or modelled time counts as the less certain the older it
 // is. A method is tried only if it may then be cheaper, if it takes at most kMaySpike times the
-// frame, and while all trials together stay below kTrialShare of all time. A method that must be
-// prepared first must gain as much in kPaysWithin frames, times its chance to be good enough, and
-// a good deal; but one that was never tried and that a model says to be cheaper by kMuchCheaper is
-// prepared whatever its chance: beside the frames, that costs little. If a model says that it takes
-// less than half the time of any other, it is prepared from the first frame on. Each trial that
-// fails doubles the time to the next one of that method. So a walk on which nothing changes costs
-// next to nothing, and where the costs change the next trial is soon.
+// frame, and while all trials together stay below AutoTrials::kShare of all time. A method that
+// must be prepared first must gain as much in kPaysWithin frames, times its chance to be good
+// enough, and a good deal; but one that was never tried and that a model says to be cheaper by
+// kMuchCheaper is prepared whatever its chance: beside the frames, that costs little. If a model
+// says that it takes less than half the time of any other, it is prepared from the first frame on.
+// Each trial that fails doubles the time to the next one of that method. So a walk on which nothing
+// changes costs next to nothing, and where the costs change the next trial is soon.
 //
 // Other programs slow some frames down. So no trial begins, and nothing is changed for, while what
 // draws takes much more than it did and its model does not say why, for a dozen frames; a trial
@@ -31,6 +31,7 @@
 #include <vector>
 
 #include "rilievo/core/recent_times.h"
+#include "rilievo/method/auto_trials.h"
 
 namespace rilievo {
 
@@ -42,33 +43,6 @@ struct AutoCandidate {
   double chance = 1;  // that its frames will be good enough, before that is known
   // Frames that it draws before the next change, unless it takes much more than what it replaced.
   int dwell = 12;
-};
-
-// The guesses before any frame was drawn, for frames of so many pixels and triangles in view on so
-// many threads. Rays take 4 samples a pixel.
-struct FrameLoad {
-  double triangles = 0, pixels = 1;
-  double level_triangles = 0;  // that levels of detail leave, about
-  int threads = 1;
-  bool masked = false;  // textures cut surfaces out, as leaves': rays go on through them
-  double covered = 0;   // pixels in which objects may be seen, at most
-
-  // The polygons are so few, for each pixel, that pixels take the time, and nothing can gain.
-  static constexpr double kFits = 0.02;
-  [[nodiscard]] bool fits() const { return triangles <= kFits * pixels; }
-  // So few that no picture of an object costs less: it has as many texels. Levels may.
-  static constexpr double kFew = 0.25;
-  [[nodiscard]] bool few() const { return triangles <= kFew * pixels; }
-  // Of what takes so many ms on the machine of these models.
-  [[nodiscard]] double by_threads(double ms) const;
-  [[nodiscard]] double direct_ms() const;
-  // Direct drawing without triangles: no method takes much less.
-  [[nodiscard]] double pixels_ms() const;
-  [[nodiscard]] double levels_ms() const;
-  [[nodiscard]] double rays_ms() const;
-  // Without their share of direct drawing, which captures them and fills their holes.
-  [[nodiscard]] double keyframes_ms() const;
-  static constexpr double kKeyframesOfDirect = 0.13;
 };
 
 // A method before a frame.
@@ -109,7 +83,7 @@ struct AutoChoice {
 // Decides for one sequence of frames.
 class AutoDecision {
  public:
-  static constexpr double kGain = 0.05, kMaySpike = 1.25, kTrialShare = 0.015, kMuchCheaper = 0.15;
+  static constexpr double kGain = 0.05, kMaySpike = 1.25, kMuchCheaper = 0.15;
   static constexpr int kPaysWithin = 200;
   // And must be expected to take at most this share of what draws.
   static constexpr double kWorthPreparing = 0.7;
@@ -157,15 +131,6 @@ class AutoDecision {
     double calm = 0;
     bool calm_of_guess = false;
   };
-  // A trial that failed, until what draws says that the machine was as ever.
-  struct Failed {
-    int tried = -1;    // -1: none
-    Cost before;       // of what was tried
-    double ms = 0;     // that it cost
-    double usual = 0;  // of what draws, as Cost::calm
-    int slow = 0;      // frames since that took much more, in a row
-  };
-
   [[nodiscard]] double expected(int i, const AutoOutlook& outlook) const;
   [[nodiscard]] double unexplained(int i) const;
   [[nodiscard]] double plausible(int i, const AutoOutlook& outlook) const;
@@ -173,13 +138,11 @@ class AutoDecision {
   [[nodiscard]] bool better(double ms, int candidate, double than_ms, int than) const;
   [[nodiscard]] double needed_gain() const;
   [[nodiscard]] double free_ms() const;
-  [[nodiscard]] bool affordable(double ms) const;
   [[nodiscard]] int best_known(std::span<const AutoOutlook> outlook) const;
   [[nodiscard]] int worth_trying(std::span<const AutoOutlook> outlook, bool ready) const;
   [[nodiscard]] int plainly_worth_preparing(std::span<const AutoOutlook> outlook) const;
   void change(int to);
   void end_trial(std::span<const AutoOutlook> outlook);
-  [[nodiscard]] bool trial_over() const;
   [[nodiscard]] double over_guess(double ms) const;
   void note_calm(Cost& cost);
   void doubt_failed(double ms);
@@ -187,17 +150,15 @@ class AutoDecision {
   std::vector<AutoCandidate> candidates_;
   std::vector<Cost> costs_;
   double pace_ms_;
-  int draws_, trial_ = -1, prepares_ = -1, drawn_ = -1;
+  int draws_, prepares_ = -1, drawn_ = -1;
   AutoReason reason_ = AutoReason::begins;
   int since_change_ = 0;
   double recent_changes_ = 0;  // each counts less with each frame
   // How much more what draws takes than its model explains, over all frames: the machine is slower,
   // or in view is what is dear for all methods.
   double slow_ = 1;
-  std::vector<double> trial_ms_;
-  double trial_expected_ms_ = 0;  // when it began; 0: unknown
-  double all_ms_ = 0, trials_ms_ = 0, trial_cost_ms_ = 0;
-  Failed failed_;
+  AutoTrials trials_;
+  Cost before_failed_;           // of what trials_ doubts, before its trial
   int unsettled_ = 0;            // frames for which what draws has taken much more than it did
   double last_ms_ = 0;           // of what draws
   std::vector<double> guesses_;  // of this frame

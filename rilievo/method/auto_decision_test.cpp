@@ -4,92 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <random>
 #include <vector>
 
+#include "rilievo/method/auto_decision_test_helpers.h"
+
 namespace rilievo {
 namespace {
-
-// A method whose cost is known: what a frame takes, and what a model says of it.
-struct Simulated {
-  AutoCandidate candidate;
-  std::function<double(int frame)> ms;
-  double guess = 0;        // times what it takes; 0: no model
-  double cold = 1;         // times as much in the frames of its warm-up
-  int prepared_after = 0;  // frames of preparing
-  bool good = true;
-  double prior = 0;  // AutoOutlook::prior_ms
-};
-
-// How many times as long as without other programs a frame takes: that frame of the walk, which is
-// the n-th one that the method draws.
-using Slower = std::function<double(int frame, int method, int nth)>;
-
-struct Walk {
-  double auto_ms = 0, trials_ms = 0;
-  std::vector<double> frames;
-  std::vector<double> each_ms;  // by method, had it drawn all frames
-  std::vector<int> drawn;       // frames by each method
-  int changes = 0, worst_trial = 0;
-};
-
-// Draws `frames` frames by the decision; what is measured is up to `noise` more, now and then much.
-Walk walk(const std::vector<Simulated>& methods, int first, int frames, double noise,
-          std::uint32_t seed, double pace = 0, const std::vector<int>& jumps = {},
-          const Slower& slower = {}) {
-  std::mt19937 random(seed);
-  const auto uniform = [&] { return double(random()) / 4294967296.0; };
-  std::vector<AutoCandidate> candidates;
-  for (const Simulated& one : methods) candidates.push_back(one.candidate);
-  AutoDecision decision(candidates, first, pace);
-  Walk walk;
-  walk.each_ms.assign(methods.size(), 0), walk.drawn.assign(methods.size(), 0);
-  std::vector<int> prepared(methods.size()), in_a_row(methods.size());
-  int last = first;
-  for (int frame = 0; frame < frames; ++frame) {
-    std::vector<AutoOutlook> outlook(methods.size());
-    for (std::size_t i = 0; i < methods.size(); ++i) {
-      outlook[i].ready = prepared[i] >= methods[i].prepared_after;
-      outlook[i].preparable = !outlook[i].ready;
-      outlook[i].prepare_ms = 2.0 * std::max(0, methods[i].prepared_after - prepared[i]);
-      outlook[i].good_enough = methods[i].good;
-      outlook[i].guess_ms = methods[i].guess * methods[i].ms(frame);
-      outlook[i].prior_ms = methods[i].prior;
-      walk.each_ms[i] += methods[i].ms(frame);
-    }
-    const AutoChoice choice =
-        decision.next(outlook, std::find(jumps.begin(), jumps.end(), frame) != jumps.end());
-    const auto draws = std::size_t(choice.draws);
-    EXPECT_TRUE(outlook[draws].ready);
-    double beside = 0;
-    if (choice.prepares >= 0) {
-      ++prepared[std::size_t(choice.prepares)];
-      beside = 2;
-    }
-    in_a_row[draws] = choice.draws == last ? in_a_row[draws] + 1 : 1;
-    double ms = methods[draws].ms(frame);
-    if (in_a_row[draws] <= methods[draws].candidate.warm_up) ms *= methods[draws].cold;
-    const double more = uniform(), rare = uniform();
-    if (slower) ms *= slower(frame, choice.draws, walk.drawn[draws]);
-    const double measured = ms * (1 + noise * more) * (rare < 0.01 ? 1.8 : 1) + beside;
-    decision.add(measured, beside > 0);
-    walk.auto_ms += ms + beside;
-    walk.frames.push_back(ms + beside);
-    ++walk.drawn[draws];
-    walk.changes += choice.draws != last;
-    last = choice.draws;
-  }
-  return walk;
-}
-
-double regret(const Walk& walk) {
-  return walk.auto_ms / *std::min_element(walk.each_ms.begin(), walk.each_ms.end());
-}
-
-std::function<double(int)> always(double ms) {
-  return [ms](int) { return ms; };
-}
 
 TEST(AutoDecision, one_method_draws_all_frames) {
   const Walk one = walk({{{"direct"}, always(8)}}, 0, 100, 0.2, 1);
@@ -476,62 +397,6 @@ TEST(AutoDecision, what_is_prepared_is_not_prepared_again) {
   EXPECT_EQ(prepared, 1);
 }
 
-// Draws the first of two methods, which takes `ms`, and counts the frames of the other, of 21 ms.
-int frames_of_other(const std::function<double(int)>& ms, double guess, int frames) {
-  const std::vector<AutoCandidate> candidates{{"a", 1}, {"b", 1}};
-  AutoDecision decision(candidates, 0);
-  int of_other = 0;
-  for (int i = 0; i < frames; ++i) {
-    const std::vector<AutoOutlook> outlook{{.ready = true, .guess_ms = guess * 20},
-                                           {.ready = true, .guess_ms = guess * 21}};
-    const AutoChoice choice = decision.next(outlook);
-    of_other += choice.draws == 1 && choice.reason != AutoReason::trial;
-    decision.add(choice.draws == 0 ? ms(i) : 21 * ms(i) / 20);
-  }
-  return of_other;
-}
-
-TEST(AutoDecision, some_slow_frames_are_no_reason_to_change) {
-  // Not for a method that is as slow meanwhile.
-  for (const int from : {60, 70, 77, 85})
-    EXPECT_EQ(
-        frames_of_other([&](int i) { return i >= from && i < from + 4 ? 44.0 : 20.0; }, 1, 200), 0)
-        << from;
-}
-
-TEST(AutoDecision, some_slow_frames_are_no_reason_to_refuse_what_is_tried) {
-  // Two of the ten frames of a trial of what takes a tenth less.
-  const std::vector<AutoCandidate> candidates{{"a", 1}, {"b", 1}};
-  AutoDecision decision(candidates, 0);
-  int tried = 0, drawn = 0;
-  for (int i = 0; i < 60; ++i) {
-    const std::vector<AutoOutlook> outlook{{.ready = true, .guess_ms = 20},
-                                           {.ready = true, .guess_ms = 18}};
-    const AutoChoice choice = decision.next(outlook);
-    if (choice.draws == 1) choice.reason == AutoReason::trial ? ++tried : ++drawn;
-    decision.add(choice.draws == 0 ? 20 : drawn == 0 && (tried == 4 || tried == 8) ? 30 : 18);
-  }
-  EXPECT_EQ(tried, 10);
-  EXPECT_GT(drawn, 40);
-}
-
-TEST(AutoDecision, keyframes_are_expected_to_take_less_where_the_sky_is_seen) {
-  FrameLoad load{.triangles = 600'000, .pixels = 1280 * 720, .threads = 2};
-  load.covered = 10 * load.pixels;  // many objects, one behind the other
-  const double all = load.keyframes_ms();
-  load.covered = load.pixels;
-  EXPECT_EQ(load.keyframes_ms(), all);
-  load.covered = 0.03 * load.pixels;
-  // bench/results/auto.md: scan-orbit.
-  EXPECT_NEAR(load.keyframes_ms() / all, 0.63, 0.01);
-}
-
-TEST(AutoDecision, what_becomes_slower_and_no_model_says_why_makes_others_slower_too) {
-  // A machine that is slower by a fifth from some frame on.
-  for (const int from : {60, 70, 77, 85})
-    EXPECT_EQ(frames_of_other([&](int i) { return i >= from ? 24.0 : 20.0; }, 1, 400), 0) << from;
-}
-
 TEST(AutoDecision, with_a_pace_the_best_that_keeps_it_draws) {
   const std::vector<Simulated> methods{
       {{"direct", 0}, always(12), 1}, {{"cache", 1, 8}, always(6)}, {{"keyframes", 2}, always(4)}};
@@ -542,55 +407,6 @@ TEST(AutoDecision, with_a_pace_the_best_that_keeps_it_draws) {
   // None keeps it: the cheapest.
   const Walk none = walk(methods, 0, 1000, 0.1, 1, 1000.0 / 400);
   EXPECT_GT(none.drawn[2], 900);
-}
-
-// Methods of which each may be the cheapest; other programs take four fifths of the time for some
-// frames of the walk.
-std::vector<Simulated> three_methods(double direct, double cache, double levels) {
-  return {{{"direct", 0}, always(direct), 1},
-          {{"cache", 1, 12}, always(cache), 0, 1.4, 0, true, 0.6 * direct},
-          {{"lod", 2, 1}, always(levels), 1, 1, 20}};
-}
-
-// Of the 700 frames after so many how many does the cheapest one draw?
-int drawn_by_cheapest(const std::vector<double>& costs, int first, const Slower& slower,
-                      int after) {
-  const std::vector<Simulated> methods = three_methods(costs[0], costs[1], costs[2]);
-  const auto drawn = [&](int frames) {
-    const Walk of = walk(methods, first, frames, 0.05, 7, 0, {}, slower);
-    return of.drawn[std::size_t(std::min_element(costs.begin(), costs.end()) - costs.begin())];
-  };
-  return drawn(after + 700) - drawn(after);
-}
-
-const std::vector<std::vector<double>> kCheapest{
-    {20, 30, 50}, {60, 30, 50}, {60, 45, 20}, {60, 90, 40}};
-
-TEST(AutoDecision, what_was_measured_while_the_machine_was_slow_is_tried_again) {
-  for (const std::vector<double>& costs : kCheapest)
-    for (const int first : {0, 1})
-      for (int from = 0; from < 120; from += 3)
-        for (const int lasts : {4, 10, 40}) {
-          const auto slower = [&](int frame, int, int) {
-            return frame >= from && frame < from + lasts ? 5.0 : 1.0;
-          };
-          EXPECT_GT(drawn_by_cheapest(costs, first, slower, 500), 560)
-              << costs[0] << " " << costs[1] << ", " << first << ", " << from << ", " << lasts;
-        }
-}
-
-// Each trial of it is two frames, and all of them may take a few hundredths of the time.
-TEST(AutoDecision, a_method_whose_first_frames_were_slow_is_tried_again) {
-  for (const std::vector<double>& costs : kCheapest)
-    for (const int first : {0, 1})
-      for (const int of : {0, 1, 2})
-        for (const int slow : {2, 10}) {
-          const auto slower = [&](int, int method, int nth) {
-            return method == of && nth < slow ? 5.0 : 1.0;
-          };
-          EXPECT_GT(drawn_by_cheapest(costs, first, slower, 2000), 560)
-              << costs[0] << " " << costs[1] << ", " << first << ", " << of << ", " << slow;
-        }
 }
 
 TEST(AutoDecision, the_same_input_gives_the_same_decisions) {

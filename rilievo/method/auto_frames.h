@@ -20,6 +20,7 @@
 #include "rilievo/method/auto_levels.h"
 #include "rilievo/method/direct_or_cached.h"
 #include "rilievo/method/frame_fade.h"
+#include "rilievo/method/frame_load.h"
 #include "rilievo/method/method.h"
 #include "rilievo/method/piece_loss.h"
 #include "rilievo/render/rays/ray_visibility.h"

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "rilievo/core/expects.h"
-#include "rilievo/method/auto_decision.h"
+#include "rilievo/method/frame_load.h"
 #include "rilievo/method/good_enough.h"
 
 namespace rilievo {

@@ -30,7 +30,7 @@ class DirectOrCached final : public FrameChooser {
   [[nodiscard]] ImageCacheOptions& options() { return cache_ ? cache_->options() : options_; }
 
   // The time of the last frame by counts of its work, not by a clock: the same on all machines, in
-  // milliseconds of the machine of FrameLoad (method/auto_decision.h), roughly.
+  // milliseconds of the machine of FrameLoad (method/frame_load.h), roughly.
   [[nodiscard]] double counted_ms() const { return counted_ms_; }
 
   void add_sets(FrameContent&) override {}

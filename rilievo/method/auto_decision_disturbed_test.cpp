@@ -1,0 +1,109 @@
+// Other programs slow some frames down.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <functional>
+#include <vector>
+
+#include "rilievo/method/auto_decision.h"
+#include "rilievo/method/auto_decision_test_helpers.h"
+
+namespace rilievo {
+namespace {
+
+// Draws the first of two methods, which takes `ms`, and counts the frames of the other, of 21 ms.
+int frames_of_other(const std::function<double(int)>& ms, double guess, int frames) {
+  const std::vector<AutoCandidate> candidates{{"a", 1}, {"b", 1}};
+  AutoDecision decision(candidates, 0);
+  int of_other = 0;
+  for (int i = 0; i < frames; ++i) {
+    const std::vector<AutoOutlook> outlook{{.ready = true, .guess_ms = guess * 20},
+                                           {.ready = true, .guess_ms = guess * 21}};
+    const AutoChoice choice = decision.next(outlook);
+    of_other += choice.draws == 1 && choice.reason != AutoReason::trial;
+    decision.add(choice.draws == 0 ? ms(i) : 21 * ms(i) / 20);
+  }
+  return of_other;
+}
+
+TEST(AutoDecisionDisturbed, some_slow_frames_are_no_reason_to_change) {
+  // Not for a method that is as slow meanwhile.
+  for (const int from : {60, 70, 77, 85})
+    EXPECT_EQ(
+        frames_of_other([&](int i) { return i >= from && i < from + 4 ? 44.0 : 20.0; }, 1, 200), 0)
+        << from;
+}
+
+TEST(AutoDecisionDisturbed, some_slow_frames_are_no_reason_to_refuse_what_is_tried) {
+  // Two of the ten frames of a trial of what takes a tenth less.
+  const std::vector<AutoCandidate> candidates{{"a", 1}, {"b", 1}};
+  AutoDecision decision(candidates, 0);
+  int tried = 0, drawn = 0;
+  for (int i = 0; i < 60; ++i) {
+    const std::vector<AutoOutlook> outlook{{.ready = true, .guess_ms = 20},
+                                           {.ready = true, .guess_ms = 18}};
+    const AutoChoice choice = decision.next(outlook);
+    if (choice.draws == 1) choice.reason == AutoReason::trial ? ++tried : ++drawn;
+    decision.add(choice.draws == 0 ? 20 : drawn == 0 && (tried == 4 || tried == 8) ? 30 : 18);
+  }
+  EXPECT_EQ(tried, 10);
+  EXPECT_GT(drawn, 40);
+}
+
+TEST(AutoDecisionDisturbed, what_becomes_slower_and_no_model_says_why_makes_others_slower_too) {
+  // A machine that is slower by a fifth from some frame on.
+  for (const int from : {60, 70, 77, 85})
+    EXPECT_EQ(frames_of_other([&](int i) { return i >= from ? 24.0 : 20.0; }, 1, 400), 0) << from;
+}
+
+// Methods of which each may be the cheapest; other programs take four fifths of the time for some
+// frames of the walk.
+std::vector<Simulated> three_methods(double direct, double cache, double levels) {
+  return {{{"direct", 0}, always(direct), 1},
+          {{"cache", 1, 12}, always(cache), 0, 1.4, 0, true, 0.6 * direct},
+          {{"lod", 2, 1}, always(levels), 1, 1, 20}};
+}
+
+// Of the 700 frames after so many how many does the cheapest one draw?
+int drawn_by_cheapest(const std::vector<double>& costs, int first, const Slower& slower,
+                      int after) {
+  const std::vector<Simulated> methods = three_methods(costs[0], costs[1], costs[2]);
+  const auto drawn = [&](int frames) {
+    const Walk of = walk(methods, first, frames, 0.05, 7, 0, {}, slower);
+    return of.drawn[std::size_t(std::min_element(costs.begin(), costs.end()) - costs.begin())];
+  };
+  return drawn(after + 700) - drawn(after);
+}
+
+const std::vector<std::vector<double>> kCheapest{
+    {20, 30, 50}, {60, 30, 50}, {60, 45, 20}, {60, 90, 40}};
+
+TEST(AutoDecisionDisturbed, what_was_measured_while_the_machine_was_slow_is_tried_again) {
+  for (const std::vector<double>& costs : kCheapest)
+    for (const int first : {0, 1})
+      for (int from = 0; from < 120; from += 3)
+        for (const int lasts : {4, 10, 40}) {
+          const auto slower = [&](int frame, int, int) {
+            return frame >= from && frame < from + lasts ? 5.0 : 1.0;
+          };
+          EXPECT_GT(drawn_by_cheapest(costs, first, slower, 500), 560)
+              << costs[0] << " " << costs[1] << ", " << first << ", " << from << ", " << lasts;
+        }
+}
+
+// Each trial of it is two frames, and all of them may take a few hundredths of the time.
+TEST(AutoDecisionDisturbed, a_method_whose_first_frames_were_slow_is_tried_again) {
+  for (const std::vector<double>& costs : kCheapest)
+    for (const int first : {0, 1})
+      for (const int of : {0, 1, 2})
+        for (const int slow : {2, 10}) {
+          const auto slower = [&](int, int method, int nth) {
+            return method == of && nth < slow ? 5.0 : 1.0;
+          };
+          EXPECT_GT(drawn_by_cheapest(costs, first, slower, 2000), 560)
+              << costs[0] << " " << costs[1] << ", " << first << ", " << of << ", " << slow;
+        }
+}
+
+}  // namespace
+}  // namespace rilievo
