@@ -15,9 +15,10 @@
 
 namespace rilievo {
 
-// Objects that are closed bodies, which have an inner side that nobody sees: at least kClosedShare
-// of the lines of sight that meet one go in as often as they come out. Leaves are met once as often
-// as twice.
+// Objects that are closed bodies, which have an inner side that nobody sees: of the lines of sight
+// that meet one once or an even number of times, at least kClosedShare go in as often as they come
+// out. Leaves are met once as often as twice. Other odd numbers say nothing: they come of bodies
+// that touch, too, whose surfaces are merged there.
 inline constexpr double kClosedShare = 0.85;
 [[nodiscard]] std::unordered_set<std::uint32_t> find_closed_objects(
     std::span<const LayeredDepthImage* const> pictures);
@@ -36,7 +37,9 @@ class SampleSides {
   [[nodiscard]] bool knows_normal(std::size_t sample) const { return knows_normal_[sample] != 0; }
   [[nodiscard]] const LayeredDepthImage& layers() const { return layers_; }
 
-  // Where its line of sight goes into a closed object.
+  // Where its line of sight goes into a closed object: as counted along the line; where that meets
+  // the object an odd number of times, so that one hit is missing, as its neighbours on the
+  // surface.
   [[nodiscard]] bool is_outer(std::size_t sample) const { return outer_[sample]; }
   // Where it comes out of one: the side that nobody sees.
   [[nodiscard]] bool is_inner(std::size_t sample) const {
@@ -51,6 +54,11 @@ class SampleSides {
   [[nodiscard]] bool is_closed(std::size_t sample) const { return is_closed_[sample] != 0; }
 
  private:
+  struct Unsettled {
+    std::size_t sample, line;
+  };
+  void settle(std::vector<Unsettled> unsettled);
+
   const LayeredDepthImage& layers_;
   std::vector<glm::vec3> normals_;
   std::vector<std::uint8_t> is_closed_, knows_normal_;  // not of bool: threads write these

@@ -514,6 +514,60 @@ TEST(SampleSides, bodies_are_closed_and_sheets_are_not) {
   EXPECT_TRUE(find_closed_objects(all).empty());
 }
 
+// Of some lines of sight one hit is missing, as where surfaces that touch were merged: the others
+// have the side that their neighbours have. Told by where a ball's surface is.
+TEST(SampleSides, where_a_hit_is_missing_sides_follow_from_neighbours) {
+  std::mt19937 rng(3);
+  ReliefPictures balls = two_sided_ball(48);
+  for (ReliefPictures::Picture& picture : balls.pictures) {
+    // A second ball behind the first one. Of one line of eight the first ball's first or second hit
+    // is missing.
+    LayeredDepthImage& layers = picture.layers;
+    LayeredDepthImage two = layers;
+    two.samples.clear(), two.first = {0};
+    for (std::size_t line = 0; line + 1 < layers.first.size(); ++line) {
+      const std::size_t begin = layers.first[line], end = layers.first[line + 1];
+      const std::size_t missing = rng() % 8 == 0 ? begin + rng() % 2 : end;
+      for (std::size_t s = begin; s < end; ++s)
+        if (s != missing) two.samples.push_back(layers.samples[s]);
+      for (std::size_t s = begin; s < end; ++s) {
+        two.samples.push_back(layers.samples[s]);
+        two.samples.back().depth += 4, two.samples.back().back += 4;
+      }
+      two.first.push_back(two.samples.size());
+    }
+    layers = std::move(two);
+  }
+  std::vector<const LayeredDepthImage*> all;
+  for (const ReliefPictures::Picture& picture : balls.pictures) all.push_back(&picture.layers);
+  const std::unordered_set<std::uint32_t> closed = find_closed_objects(all);
+  ASSERT_TRUE(closed.contains(1));
+  int odd = 0, wrong = 0;
+  for (const LayeredDepthImage* layers : all) {
+    const SampleSides sides(*layers, closed);
+    const Camera& camera = layers->camera;
+    const auto w = std::size_t(camera.width);
+    for (std::size_t line = 0; line + 1 < layers->first.size(); ++line) {
+      const std::size_t begin = layers->first[line], end = layers->first[line + 1];
+      if ((end - begin) % 2 == 0) continue;
+      for (std::size_t s = begin; s < end; ++s) {
+        const glm::dvec3 at =
+            world_from_raster(camera, {double(line % w) + 0.5, double(line / w) + 0.5},
+                              double(layers->samples[s].depth));
+        const bool first_ball = s == begin;
+        const glm::dvec3 centre = first_ball ? glm::dvec3(0) : 4.0 * camera.forward();
+        const double faces = -glm::dot(glm::normalize(at - centre), camera.forward());
+        // Near its rim both of a ball's sides are close together and across.
+        if (std::abs(faces) < 0.4) continue;
+        ++odd;
+        wrong += sides.is_outer(s) != (faces > 0);
+      }
+    }
+  }
+  EXPECT_GT(odd, 1000);
+  EXPECT_EQ(wrong, 0);
+}
+
 // The normals of a ball are its radii.
 TEST(SampleSides, normals_point_at_the_viewers) {
   const ReliefPictures ball = two_sided_ball(64);
