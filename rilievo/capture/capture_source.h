@@ -43,7 +43,10 @@ struct CaptureRequest {
   Camera camera;
   // Indices into the scene's objects; empty: everything that the camera sees.
   std::span<const std::uint32_t> objects = {};
-  int samples = 4;                          // per texel; colours are averaged, alpha is coverage
+  int samples = 4;  // per texel; colours are averaged, alpha is coverage
+  // The one sample of a texel lies beside its centre (staggered_position(), sample_buffer.h), and
+  // its depth is that there. Ignored with more samples, and by sources that have no such samples.
+  bool staggered = false;
   bool identifiers = true;                  // capture the object shown by each texel
   bool farthest = false;                    // capture CapturedPicture::farthest
   bool with_sky = false;                    // otherwise texels without an object stay empty

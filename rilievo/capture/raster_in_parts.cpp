@@ -32,7 +32,7 @@ Result<> RasterInParts::begin(const CaptureRequest& request) {
     placed_.cull(camera, visible_);
   else
     placed_.cull(camera, request.objects, visible_);
-  parts_.begin(camera, placed_, visible_);
+  parts_.begin(camera, placed_, visible_, request.staggered);
   return Done{};
 }
 

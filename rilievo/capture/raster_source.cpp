@@ -43,7 +43,9 @@ Result<CapturedPicture> RasterSource::capture(const CaptureRequest& request) {
         return Error{std::string(name()),
                      "the rasteriser needs a far plane behind all of the objects' surfaces"};
   CapturedPicture captured{
-      rasterizer_.capture(camera, objects, placed_.poses(), request.samples, request.with_sky), {}};
+      rasterizer_.capture(camera, objects, placed_.poses(), request.samples, request.with_sky,
+                          request.samples == 1 && request.staggered),
+      {}};
   captured.picture.name = name();
   if (!request.identifiers) captured.picture.object = {};
   if (request.farthest)

@@ -46,6 +46,7 @@ TEST(RasterSource, captures_what_rays_capture) {
     const Camera camera = random_camera(world_bounds(scene), random, round % 2);
     CaptureRequest request{.camera = camera, .objects = objects, .farthest = true};
     request.samples = round % 4 < 2 ? 1 : 4;
+    request.staggered = round % 8 < 2;
     const auto a = by_raster.capture(request), b = by_rays.capture(request);
     ASSERT_TRUE(a) << a.error().message();
     ASSERT_TRUE(b) << b.error().message();

@@ -54,9 +54,10 @@ Result<CapturedPicture> RaySource::capture(const CaptureRequest& request) {
   if (request.with_sky && request.camera.keeps_farthest())
     return Error{std::string(name()), "a back-perspective camera sees no sky"};
   if (Result<> fits = strokes_fit(rays_.scene(), request.camera); !fits) return fits.error();
-  CapturedPicture captured{
-      cast_picture(rays_, request.camera, {request.objects, request.samples, request.with_sky}),
-      {}};
+  CapturedPicture captured{cast_picture(rays_, request.camera,
+                                        {request.objects, request.samples, request.with_sky,
+                                         request.samples == 1 && request.staggered}),
+                           {}};
   captured.picture.name = name();
   if (!request.identifiers) captured.picture.object = {};
   if (request.farthest) captured.farthest = cast_farthest(rays_, request.camera, request.objects);

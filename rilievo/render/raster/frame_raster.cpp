@@ -39,8 +39,8 @@ void FrameRaster::keep_farthest() {
   for (RasterInstance& instance : instances_) rilievo::keep_farthest(instance);
 }
 
-void FrameRaster::begin(const Camera& camera, int samples, NearPlane near_plane) {
-  raster_.begin(camera.width, camera.height, samples);
+void FrameRaster::begin(const Camera& camera, int samples, NearPlane near_plane, bool staggered) {
+  raster_.begin(camera.width, camera.height, samples, staggered);
   next_instance_ = 0, next_triangle_ = 0;
   work_.clear();
   cut_.clear();
@@ -60,8 +60,8 @@ void FrameRaster::begin(const Camera& camera, int samples, NearPlane near_plane)
   instances_.insert(instances_.end(), near_clip_.instances().begin(), near_clip_.instances().end());
 }
 
-void FrameRaster::fill(const Camera& camera, int samples, NearPlane near_plane) {
-  begin(camera, samples, near_plane);
+void FrameRaster::fill(const Camera& camera, int samples, NearPlane near_plane, bool staggered) {
+  begin(camera, samples, near_plane, staggered);
   raster_.draw(instances_);
   const std::span<const MeshWork> work = raster_.work();
   work_.assign(work.begin(), work.begin() + std::ptrdiff_t(placed_.size()));
@@ -124,7 +124,7 @@ Result<> FrameRaster::find_visible(const Camera& camera, int samples, const Plac
 PictureView FrameRaster::view(const Camera& camera) {
   return {raster_.seen(),
           {placed_, picture_rays(camera), surface_lights(scene_, camera.position(), lights_),
-           raster_.seen().samples}};
+           raster_.seen().samples, ColorScale::srgb, raster_.seen().staggered}};
 }
 
 }  // namespace rilievo

@@ -55,12 +55,12 @@ class FrameRaster final : public FrameVisibility {
   // Until the next place(). What lies beyond the far plane is then drawn on it; what lies in front
   // of the near plane is nothing, whatever fill() is told.
   void keep_farthest();
-  // Rasterises the parts that are placed, with 1 or 4 samples. Requires frames of at most
-  // SampleRaster::kMaxSize texels a side.
-  void fill(const Camera& camera, int samples, NearPlane near_plane);
+  // Rasterises the parts that are placed, with 1 or 4 samples, or a staggered one. Requires frames
+  // of at most SampleRaster::kMaxSize texels a side.
+  void fill(const Camera& camera, int samples, NearPlane near_plane, bool staggered = false);
   // The same in parts: begin(), then fill_some() with about so many more triangles at a time, until
   // none is left, which it returns. The result is that of fill(), work() is not known.
-  void begin(const Camera& camera, int samples, NearPlane near_plane);
+  void begin(const Camera& camera, int samples, NearPlane near_plane, bool staggered = false);
   bool fill_some(std::uint64_t triangles);
   // How many triangles are placed.
   [[nodiscard]] std::uint64_t triangles() const;

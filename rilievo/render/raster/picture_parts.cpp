@@ -14,10 +14,10 @@ constexpr double kTexel = 4;
 }  // namespace
 
 void PictureParts::begin(const Camera& camera, const PlacedScene& placed,
-                         std::span<const std::uint32_t> objects) {
+                         std::span<const std::uint32_t> objects, bool staggered) {
   camera_ = camera;
   raster_.place_nearest_first(camera_, placed, objects);
-  raster_.begin(camera_, 1, NearPlane::cuts);
+  raster_.begin(camera_, 1, NearPlane::cuts, staggered);
   left_to_find_ = double(raster_.triangles());
   work_ = left_to_find_ + kTexel * camera_.width * camera_.height;
   found_ = false, rows_ = 0;

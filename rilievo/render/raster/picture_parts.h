@@ -24,9 +24,10 @@ class PictureParts {
       : raster_(scene, std::move(materials)) {}
 
   // Begins a picture of the opaque and masked parts of `objects`, as `placed` places them now.
-  // Requires a valid perspective camera of at most SampleRaster::kMaxSize texels a side.
+  // `staggered`: as SampleBuffer's. Requires a valid perspective camera of at most
+  // SampleRaster::kMaxSize texels a side.
   void begin(const Camera& camera, const PlacedScene& placed,
-             std::span<const std::uint32_t> objects);
+             std::span<const std::uint32_t> objects, bool staggered = false);
   // As PictureInParts::advance() and read() (capture/capture_source.h).
   int advance(double share);
   void read(int from, int to, bool with_sky, DepthImage& picture);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "rilievo/core/expects.h"
 #include "rilievo/render/raster/frame_raster.h"
 #include "rilievo/render/shading/texel_shader.h"
 
@@ -110,12 +111,13 @@ void PictureRasterizer::draw(const Camera& camera, std::span<const PlacedMesh> p
 }
 
 DepthImage PictureRasterizer::capture(const Camera& camera, std::span<const std::uint32_t> objects,
-                                      std::span<const glm::mat4> poses, int samples,
-                                      bool with_sky) {
+                                      std::span<const glm::mat4> poses, int samples, bool with_sky,
+                                      bool staggered) {
+  RILIEVO_EXPECTS(samples == 1 || !staggered);
   FrameRaster& raster = state_->raster;
   // Depth and identifiers at the texels' centres, where they mean one surface ...
   raster.place(camera, objects, poses);
-  raster.fill(camera, 1, NearPlane::cuts);
+  raster.fill(camera, 1, NearPlane::cuts, staggered);
   DepthImage picture;
   picture.camera = camera;
   identify(raster.seen(), raster.meshes(), 0, picture);

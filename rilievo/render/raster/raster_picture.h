@@ -40,10 +40,10 @@ class PictureRasterizer {
   // Captures the opaque and masked parts of `objects`, wherever they are, placed by `poses` (of all
   // objects), as cast_picture() does by rays: eye_z, object and linear light, with a sky or
   // without. Requires a valid perspective camera of at most SampleRaster::kMaxSize texels a side,
-  // and 1 or 4 samples.
+  // and 1 or 4 samples, or a staggered one.
   [[nodiscard]] DepthImage capture(const Camera& camera, std::span<const std::uint32_t> objects,
                                    std::span<const glm::mat4> poses, int samples,
-                                   bool with_sky = false);
+                                   bool with_sky = false, bool staggered = false);
   // eye_z of the farthest of all surfaces along the rays through the texels' centres, including
   // hidden ones and back faces; kNoDepth if there is none. Surfaces beyond the far plane count as
   // on it.

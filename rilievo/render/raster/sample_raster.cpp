@@ -53,14 +53,27 @@ struct Pattern {
 // Vectors that hold a texel's samples, where a vector is too short for all of them.
 constexpr int kMaxParts = 4;
 
-Pattern make_pattern(int part, int samples, int lanes) {
+Pattern make_pattern(int part, const SampleBuffer& of, int lanes) {
+  const int samples = of.samples;
   Pattern pattern;
   for (int k = 0; k < lanes; ++k) {
     const int sample = part * lanes + k;
-    const glm::vec2 p = sample_position(sample % samples, samples);
+    glm::vec2 p = sample_position(sample % samples, samples);
+    // Of vectors with an even number of texels. See height_in_row().
+    if (of.staggered) p.y = staggered_position(sample, 0).y;
     pattern.x[k] = float(sample / samples) + p.x, pattern.y[k] = p.y;
   }
   return pattern;
+}
+
+constexpr bool kOneLane = hn::MaxLanes(F()) == 1;
+
+// The height of a staggered sample over its row, where a vector has one texel.
+float height_in_row(int column) { return staggered_position(column, 0).y; }
+
+// How far to the right of the pattern the samples of a row lie.
+float beside_pattern(const SampleBuffer& of, int row) {
+  return of.staggered ? staggered_position(0, row).x - 0.5f : 0.0f;
 }
 
 struct Edge {
@@ -213,7 +226,7 @@ std::uint32_t fill_rows(const Triangles& in, std::uint32_t place, std::uint32_t 
   std::uint32_t* const triangles = out.triangle.data();
   const int lanes = int(hn::Lanes(f)), parts = std::max(1, samples / lanes);
   Pattern patterns[kMaxParts];
-  for (int part = 0; part < parts; ++part) patterns[part] = make_pattern(part, samples, lanes);
+  for (int part = 0; part < parts; ++part) patterns[part] = make_pattern(part, out, lanes);
   // A vector holds one texel, a part of one, or several: a power of two.
   const int texels = std::max(1, lanes / samples);
   const int shift = std::countr_zero(unsigned(texels));
@@ -259,10 +272,13 @@ std::uint32_t fill_rows(const Triangles& in, std::uint32_t place, std::uint32_t 
       const vfloat pattern_x(hn::LoadU(f, patterns[part].x)),
           pattern_y(hn::LoadU(f, patterns[part].y));
       for (int row = from; row <= to; ++row) {
-        const vfloat y = pattern_y + float(row);
-        const vfloat z_row = z0 + z_per_y * (y - y0);
-        vfloat across[3] = {0.0f, 0.0f, 0.0f};
-        for (int k = 0; k < 3; ++k) across[k] = edges[k].along_x * (y - edges[k].y);
+        const vfloat row_x = pattern_x + beside_pattern(out, row);
+        vfloat y = 0.0f, z_row = 0.0f, across[3] = {0.0f, 0.0f, 0.0f};
+        const auto set_y = [&](vfloat in_row) {
+          y = in_row + float(row), z_row = z0 + z_per_y * (y - y0);
+          for (int k = 0; k < 3; ++k) across[k] = edges[k].along_x * (y - edges[k].y);
+        };
+        set_y(pattern_y);
         int first = first_of_all, last = last_of_all;
         if (many) {
           float from_x = left, to_x = right;
@@ -271,7 +287,9 @@ std::uint32_t fill_rows(const Triangles& in, std::uint32_t place, std::uint32_t 
           first = int(from_x) >> shift, last = int(to_x) >> shift;
         }
         for (int group = first; group <= last; ++group) {
-          const vfloat x = pattern_x + float(group << shift);
+          const vfloat x = row_x + float(group << shift);
+          if constexpr (kOneLane)
+            if (out.staggered) set_y(height_in_row(group));
           const auto inside = [&](int k) {
             const vfloat e = across[k] - edges[k].along_y * (x - edges[k].x);
             return hn::Xor(hn::Ge(e.v, hn::Zero(f)), edges[k].turned);
@@ -374,9 +392,9 @@ std::size_t SampleRaster::bytes(int size, int samples) {
               sizeof(std::uint32_t) + (2 + Triangles::kSmallSamples) * sizeof(std::int32_t));
 }
 
-void SampleRaster::begin(int width, int height, int samples) {
+void SampleRaster::begin(int width, int height, int samples, bool staggered) {
   RILIEVO_EXPECTS(width <= kMaxSize && height <= kMaxSize);
-  seen_.begin(width, height, samples);
+  seen_.begin(width, height, samples, staggered);
   farthest_.begin(width, height);
   waiting_.assign(std::size_t(height + kStrip - 1) / kStrip, 0);
   if (!triangles_.index.empty()) return;

@@ -76,8 +76,8 @@ class SampleRaster {
   // The memory for pictures of up to `size` texels a side.
   [[nodiscard]] static std::size_t bytes(int size, int samples);
 
-  // Starts an empty picture: depth 1 everywhere. `samples` is 1 or 4.
-  void begin(int width, int height, int samples);
+  // Starts an empty picture: depth 1 everywhere. `samples` is 1 or 4; staggered: 1.
+  void begin(int width, int height, int samples, bool staggered = false);
   // Draws instances; of equal depths, the first one stays.
   void draw(std::span<const RasterInstance> instances);
 

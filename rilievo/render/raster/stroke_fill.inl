@@ -62,7 +62,7 @@ std::uint32_t fill_strokes(const Triangles& in, std::uint32_t place, std::uint32
   std::uint32_t* const triangles = out.triangle.data();
   const int lanes = int(hn::Lanes(f)), parts = std::max(1, samples / lanes);
   Pattern patterns[kMaxParts];
-  for (int part = 0; part < parts; ++part) patterns[part] = make_pattern(part, samples, lanes);
+  for (int part = 0; part < parts; ++part) patterns[part] = make_pattern(part, out, lanes);
   const int texels = std::max(1, lanes / samples);
   const int shift = std::countr_zero(unsigned(texels));
   std::uint32_t found[SampleRaster::kPiece + kMaxLanes];
@@ -86,8 +86,11 @@ std::uint32_t fill_strokes(const Triangles& in, std::uint32_t place, std::uint32
       const Columns columns = columns_of(in, t, row, instance.strokes, Stroke());
       for (int group = columns.first >> shift; group <= columns.last >> shift; ++group)
         for (int part = 0; part < parts; ++part) {
-          const vfloat x = vfloat(hn::LoadU(f, patterns[part].x)) + float(group << shift);
-          const vfloat y = vfloat(hn::LoadU(f, patterns[part].y)) + float(row);
+          const vfloat x = vfloat(hn::LoadU(f, patterns[part].x)) + beside_pattern(out, row) +
+                           float(group << shift);
+          vfloat y = vfloat(hn::LoadU(f, patterns[part].y)) + float(row);
+          if constexpr (kOneLane)
+            if (out.staggered) y = height_in_row(group) + float(row);
           const std::size_t at =
               out.row(row) + std::size_t(group * parts + part) * std::size_t(lanes);
           const vfloat z = stroke.depth(x, y);

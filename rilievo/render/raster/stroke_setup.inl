@@ -58,14 +58,10 @@ std::uint32_t set_up_strokes(const RasterInstance& instance, std::uint32_t first
                         load_corners<2>(instance.positions, at, 1), all);
     Mask keep = hn::Gt(reach.w.v, hn::Set(f, instance.min_w));
     if (count - t < lanes) keep = hn::And(keep, hn::FirstN(f, count - t));
-    const auto first_in = [&](vfloat low) {
-      return max(vfloat(hn::Ceil((low * float(samples) - 0.5f).v)), 0.0f);
-    };
-    const auto last_in = [&](vfloat high, float limit) {
-      return vfloat(hn::Floor((min(high * float(samples), limit - 0.5f) - 0.5f).v));
-    };
-    const vfloat first_column = first_in(reach.x0), last_column = last_in(reach.x1, columns);
-    const vfloat first_row = first_in(reach.y0), last_row = last_in(reach.y1, rows);
+    const SampleColumns around(seen);
+    const vfloat first_column = around.first(reach.x0),
+                 last_column = around.last(reach.x1, columns);
+    const vfloat first_row = around.first(reach.y0), last_row = around.last(reach.y1, rows);
     keep = hn::And(keep,
                    hn::And(hn::Le(first_column.v, last_column.v), hn::Le(first_row.v, last_row.v)));
     if (hn::AllFalse(f, keep)) continue;

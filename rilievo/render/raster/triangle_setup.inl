@@ -83,6 +83,22 @@ struct LaneBoxes {
   hn::Vec<I> first_column, first_row, last_column, last_row;
 };
 
+// The columns, or rows, of samples in a range of places. A row of texels has as many rows of
+// samples as samples, the first one half a step from its edge, or about there.
+struct SampleColumns {
+  float per_texel, beside;
+
+  explicit SampleColumns(const SampleBuffer& of)
+      : per_texel(float(of.samples)), beside(of.staggered ? kStagger : 0.0f) {}
+  [[nodiscard]] vfloat first(vfloat low) const {
+    return max(vfloat(hn::Ceil((low * per_texel - 0.5f - beside).v)), 0.0f);
+  }
+  // Of `count`.
+  [[nodiscard]] vfloat last(vfloat high, float count) const {
+    return vfloat(hn::Floor((min(high * per_texel + beside, count - 0.5f) - 0.5f).v));
+  }
+};
+
 // One triangle a lane, counter-clockwise, with its depth.
 struct LaneTriangles {
   vfloat x[3], y[3];
@@ -147,8 +163,16 @@ Mask find_changed(const Samples& primitive, const LaneBoxes& t, const SampleBuff
     Mask active = hn::AndNot(hn::RebindMask(f, hn::Gt(row, t.last_row)), small);
     active = hn::AndNot(hn::RebindMask(f, hn::Gt(column, t.last_column)), active);
     if (hn::AllFalse(f, active)) continue;
-    const vfloat x = step * (vfloat(hn::ConvertTo(f, column)) + 0.5f),
-                 y = step * (vfloat(hn::ConvertTo(f, row)) + 0.5f);
+    vfloat x = step * (vfloat(hn::ConvertTo(f, column)) + 0.5f),
+           y = step * (vfloat(hn::ConvertTo(f, row)) + 0.5f);
+    if (seen.staggered) {
+      // As staggered_position() has it.
+      const auto signed_by = [&](hn::Vec<I> parity, float even) {
+        const auto odd = hn::Ne(hn::And(parity, hn::Set(i, 1)), hn::Zero(i));
+        return vfloat(hn::IfThenElse(hn::RebindMask(f, odd), hn::Set(f, -even), hn::Set(f, even)));
+      };
+      x = x + signed_by(row, kStagger), y = y + signed_by(column, -kStagger);
+    }
     active = hn::And(active, primitive.covers(x, y).m);
     if (hn::AllFalse(f, active)) continue;
     const vfloat z = primitive.depth(x, y);
@@ -214,18 +238,12 @@ std::uint32_t set_up(const RasterInstance& instance, std::uint32_t first, std::u
     constexpr float kTooLarge = 1e30f;
     keep = hn::And(keep, hn::And(above(sized, 0), above(kTooLarge - sized, 0)));
 
-    // Is there a column and a row of samples in its box? A row of texels has as many rows of
-    // samples as samples, the first one half a step from its edge.
-    const auto first_in = [&](vfloat low) {
-      return max(vfloat(hn::Ceil((low * float(samples) - 0.5f).v)), 0.0f);
-    };
-    const auto last_in = [&](vfloat high, float count) {
-      return vfloat(hn::Floor((min(high * float(samples), count - 0.5f) - 0.5f).v));
-    };
-    const vfloat first_column = first_in(min(min(a.x, b.x), c.x));
-    const vfloat last_column = last_in(max(max(a.x, b.x), c.x), columns);
-    const vfloat first_row = first_in(min(min(a.y, b.y), c.y));
-    const vfloat last_row = last_in(max(max(a.y, b.y), c.y), rows);
+    // Is there a column and a row of samples in its box?
+    const SampleColumns around(seen);
+    const vfloat first_column = around.first(min(min(a.x, b.x), c.x));
+    const vfloat last_column = around.last(max(max(a.x, b.x), c.x), columns);
+    const vfloat first_row = around.first(min(min(a.y, b.y), c.y));
+    const vfloat last_row = around.last(max(max(a.y, b.y), c.y), rows);
     keep = hn::And(keep,
                    hn::And(hn::Le(first_column.v, last_column.v), hn::Le(first_row.v, last_row.v)));
     if (hn::AllFalse(f, keep)) continue;

@@ -256,7 +256,7 @@ CameraRay camera_ray(const Camera& camera, const glm::dvec2& raster) {
 }
 
 DepthImage cast_picture(const RayScene& rays, const Camera& camera, const CastOptions& options) {
-  RILIEVO_EXPECTS(options.samples == 1 || options.samples == 4);
+  RILIEVO_EXPECTS(options.samples == 1 || (options.samples == 4 && !options.staggered));
   DepthImage picture;
   picture.camera = camera;
   picture.depth = Image<float>(camera.width, camera.height, kNoDepth);
@@ -266,7 +266,7 @@ DepthImage cast_picture(const RayScene& rays, const Camera& camera, const CastOp
   const bool all = options.objects.empty();
   s.place(camera, all ? s.all : options.objects);
   if (options.samples == 1)
-    s.seen.begin(camera.width, camera.height, 1);
+    s.seen.begin(camera.width, camera.height, 1, options.staggered);
   else
     s.cast(picture_rays(camera), camera, all, options.samples);
   const int last = camera.height - 1;  // rows from the top
@@ -280,7 +280,11 @@ DepthImage cast_picture(const RayScene& rays, const Camera& camera, const CastOp
   const StrokeHits strokes(rays, camera, seen_by.objects);
   parallel_for(0, camera.height, [&](int y) {
     for (int x = 0; x < camera.width; ++x) {
-      const glm::dvec2 raster(x + 0.5, y + 0.5);
+      glm::dvec2 raster(x + 0.5, y + 0.5);
+      if (options.staggered) {
+        const glm::dvec2 at = staggered_position(x, last - y);
+        raster = {x + at.x, y + 1 - at.y};
+      }
       const CameraRay ray = camera_ray(camera, raster);
       const auto hit =
           strokes.nearer(raster, rays.first_hit(seen_by, ray.origin, ray.direction, 0.0f, 1.0f));
@@ -301,7 +305,7 @@ DepthImage cast_picture(const RayScene& rays, const Camera& camera, const CastOp
   const PictureView view{
       s.seen,
       {s.placed, picture_rays(camera), surface_lights(rays.scene(), camera.position(), s.lights),
-       s.seen.samples, ColorScale::linear}};
+       s.seen.samples, ColorScale::linear, s.seen.staggered}};
   if (options.samples == 1)
     s.shader.shade(view, picture, options.sky);
   else

@@ -23,6 +23,7 @@ struct CastOptions {
   std::span<const std::uint32_t> objects = {};  // indices into Scene::objects; empty: all
   int samples = 1;                              // rays of a texel for its colour: 1 or 4
   bool sky = false;                             // behind what covers a texel in part or not at all
+  bool staggered = false;  // with one ray: at staggered_position() (sample_buffer.h)
 };
 
 // Casts a ray through each texel's centre: eye_z, object, and linear light. With 4 samples colours

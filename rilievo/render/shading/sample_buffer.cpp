@@ -24,10 +24,11 @@ std::size_t SampleBuffer::bytes(int size, int samples) {
          (sizeof(float) + sizeof(std::uint32_t));
 }
 
-void SampleBuffer::begin(int new_width, int new_height, int new_samples) {
+void SampleBuffer::begin(int new_width, int new_height, int new_samples, bool new_staggered) {
   RILIEVO_EXPECTS(0 < new_width && 0 < new_height);
-  RILIEVO_EXPECTS(new_samples == 1 || new_samples == 4);
+  RILIEVO_EXPECTS(new_samples == 1 || (new_samples == 4 && !new_staggered));
   width = new_width, height = new_height, samples = new_samples;
+  staggered = new_staggered;
   // Rows are read and written in whole vectors.
   stride = (std::size_t(width) * std::size_t(samples) + kLongestVector - 1) / kLongestVector *
            kLongestVector;

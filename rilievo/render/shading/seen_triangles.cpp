@@ -111,7 +111,8 @@ std::uint32_t SeenTriangles::gather(const ShadedScene& scene, const PlacedMesh& 
   static const std::array<glm::vec2, 16> kMiddles[] = {middles_of(1), middles_of(4)};
   const std::array<glm::vec2, 16>& middles = kMiddles[scene.samples == 4 ? 1 : 0];
   for (std::size_t i = 0; i < count; ++i) {
-    const glm::vec2 at = middles[pixels[i].samples];
+    const glm::vec2 at = scene.staggered ? staggered_position(pixels[i].x, pixels[i].y) - 0.5f
+                                         : middles[pixels[i].samples];
     const glm::vec3 ray = scene.rays.first + (float(pixels[i].x) + at.x) * scene.rays.per_x +
                           (float(pixels[i].y) + at.y) * scene.rays.per_y;
     for (int axis = 0; axis < 3; ++axis) rays_.ray[axis][i] = ray[axis];

@@ -39,6 +39,7 @@ struct ShadedScene {
   SurfaceLights lights;
   int samples = 1;  // of a pixel: 1 or 4
   ColorScale scale = ColorScale::srgb;
+  bool staggered = false;  // as SampleBuffer's
 };
 
 // Collects triangles, and shades them. Keeps its buffers; use one object for each thread.
