@@ -51,8 +51,8 @@ HWY_INLINE void load_two(const std::uint32_t* colors, const float* inverse_z, in
   hn::LoadInterleaved2(F(), inverse_z + at, one.inverse_z, other.inverse_z);
 }
 
-// A quarter's own share and that of a side, of eight.
-constexpr std::uint32_t kOwnPart = 4;
+// A quarter's own share, in shares of a side.
+constexpr std::uint32_t kOwnPart = 2;
 
 // A quarter's colour, smoothed if asked for, and of quarter_code() how many sides show what.
 template <bool smooth>
@@ -74,12 +74,12 @@ HWY_INLINE VU with_sides(const Quarters& own, const Quarters& left, const Quarte
   }
   const VU code = hn::Or(hn::ShiftLeft<27>(same), hn::ShiftLeft<24>(nearer));
   if constexpr (!smooth) return hn::Or(own.color, code);
-  // 65536 / (4 to 8)
-  VU per = bits(16384);
-  per = hn::IfThenElse(hn::Eq(same, bits(1)), bits(13107), per);
-  per = hn::IfThenElse(hn::Eq(same, bits(2)), bits(10923), per);
-  per = hn::IfThenElse(hn::Eq(same, bits(3)), bits(9362), per);
-  per = hn::IfThenElse(hn::Eq(same, bits(4)), bits(8192), per);
+  // 65536 / (2 to 6)
+  VU per = bits(32768);
+  per = hn::IfThenElse(hn::Eq(same, bits(1)), bits(21845), per);
+  per = hn::IfThenElse(hn::Eq(same, bits(2)), bits(16384), per);
+  per = hn::IfThenElse(hn::Eq(same, bits(3)), bits(13107), per);
+  per = hn::IfThenElse(hn::Eq(same, bits(4)), bits(10923), per);
   const auto mean = [&](VU sum) {
     return hn::ShiftRight<16>(hn::Add(hn::Mul(sum, per), bits(32768)));
   };

@@ -33,7 +33,7 @@ struct TexelRow {
 
 // Joins the quarters of `texels` texels. Of their depths the second nearest counts, because where
 // two of four show what is in front, it has half of the texel; a texel's depth is the mean of those
-// on its surface. `smooth`: the sides of a quarter that show the same surface count an eighth each,
+// on its surface. `smooth`: the sides of a quarter that show the same surface count a sixth each,
 // about as much as a pixel's own width shows of them.
 void join_quarters(const QuarterRows& rows, int texels, bool smooth, const TexelRow& out);
 

@@ -76,7 +76,7 @@ Joined joined_slowly(const QuarterRows& rows, int texels, bool smooth) {
       if (own == sorted[1]) out.objects[std::size_t(x)] = rows.objects[i / 2][column];
       const std::uint32_t color = rows.colors[row][column];
       std::uint32_t same = 0, nearer = 0, sums[3];
-      for (int c = 0; c < 3; ++c) sums[c] = 4 * (color >> (8 * c) & 255);
+      for (int c = 0; c < 3; ++c) sums[c] = 2 * (color >> (8 * c) & 255);
       const int sides[4][2] = {
           {row, column - 1}, {row, column + 1}, {row - 1, column}, {row + 1, column}};
       for (const auto& [side_row, side_column] : sides) {
@@ -92,7 +92,7 @@ Joined joined_slowly(const QuarterRows& rows, int texels, bool smooth) {
       if (smooth) {
         bytes = 0;
         for (int c = 0; c < 3; ++c)
-          bytes |= std::uint32_t(std::lround(double(sums[c]) / (4 + same))) << (8 * c);
+          bytes |= std::uint32_t(std::lround(double(sums[c]) / (2 + same))) << (8 * c);
       }
       out.colors[i / 2][std::size_t(column)] = bytes | quarter_code(shows, same, nearer);
     }

@@ -138,6 +138,8 @@ CaptureRequest KeyframeMaker::request_to_capture(const CaptureControl* control) 
   CaptureRequest request;
   request.objects = request_.objects;
   request.samples = keyframe_.quarters() ? request_.samples / 4 : request_.samples;
+  // Four quarters of a sample each are the four samples of a texel.
+  request.staggered = keyframe_.quarters() && request_.samples == 4;
   request.with_sky = !request_.sky;
   request.control = control;
   request.time = request_.time;

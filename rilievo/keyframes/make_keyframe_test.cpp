@@ -376,7 +376,7 @@ TEST(MakeKeyframe, AnEyeThatStandsSeesTheMeanOfTheSamplesOfAPixel) {
   const Camera frame = camera_at(made.path, 0.5, 480, 300);
   CaptureRequest finer;
   finer.camera = frame, finer.camera.width *= 2, finer.camera.height *= 2;
-  finer.samples = 1, finer.with_sky = true;
+  finer.samples = 1, finer.staggered = true, finer.with_sky = true;
   const DepthImage picture = source.capture(finer)->picture;
   Rgba8Image truth(frame.width, frame.height);
   for (int y = 0; y < frame.height; ++y)

@@ -150,7 +150,7 @@ struct Slow {
           if (depth < 0) continue;  // hidden
           const bool same = std::abs(depth - there) <= slack, before = depth < there - slack;
           if ((same && shows == Quarter::own) || (before && shows == Quarter::nearer))
-            front += all * int(4 + (color >> 27 & 7));
+            front += all * int(2 + (color >> 27 & 7));
           else if ((same || before) && shows != Quarter::nearer)
             front += all * int(color >> 24 & 7);
           if (!same) continue;
@@ -198,7 +198,7 @@ struct Slow {
         const bool behind = !left_behind && farther.cover > kLeastShown;
         if (!behind && !(nearer.cover > kLeastShown && (edge || nearer.own > 0))) continue;
         const float covers = nearer.front / (nearer.weight > 0 ? nearer.weight : 1);
-        const float part = behind ? std::min(covers * (1.0f / (8 * kTexelWeights)), 1.0f) : 1.0f;
+        const float part = behind ? std::min(covers * (1.0f / (6 * kTexelWeights)), 1.0f) : 1.0f;
         const auto byte = [&](float of_nearer, float of_farther) {
           const auto share = [](const Lookup& of, float sum, float part) {
             return sum * (part / (of.weight > 0 ? of.weight : 1));

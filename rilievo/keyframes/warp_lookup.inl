@@ -234,7 +234,7 @@ HWY_INLINE Found find(const WarpSource* sources, int count, VF px, float py, VF 
         odd = hn::Add(odd, hn::Mul(weight, hn::And(hn::ShiftRight<8>(colors[i]), pairs)));
       }
       // Each quarter counts with its four sides.
-      sure = known = shown, front = hn::ShiftLeft<3>(shown);
+      sure = known = shown, front = hn::Mul(shown, hn::Set(u32, kFrontParts));
     } else {
       for (int i = 0; i < 4; ++i) {
         const VF depth = depths[i];
@@ -252,12 +252,13 @@ HWY_INLINE Found find(const WarpSource* sources, int count, VF px, float py, VF 
         // A quarter of what is looked up, with its sides; or, of one behind, the sides in front. In
         // front of a texel behind there is what is looked up.
         const VU seven = hn::Set(u32, 7);
-        const VU of_same = hn::Add(hn::And(hn::ShiftRight<27>(color), seven), hn::Set(u32, 4));
+        const VU of_same =
+            hn::Add(hn::And(hn::ShiftRight<27>(color), seven), hn::Set(u32, kOwnFront));
         const VU of_nearer = hn::And(hn::ShiftRight<24>(color), seven);
         const auto in_front = hn::Or(hn::And(same, own), hn::And(before, nearer));
         const auto behind = hn::AndNot(nearer, hn::Or(same, before));
-        const VU eighths = hn::IfThenElse(in_front, of_same, hn::IfThenElseZero(behind, of_nearer));
-        front = hn::Add(front, hn::IfThenZeroElse(hidden, hn::Mul(all, eighths)));
+        const VU parts = hn::IfThenElse(in_front, of_same, hn::IfThenElseZero(behind, of_nearer));
+        front = hn::Add(front, hn::IfThenZeroElse(hidden, hn::Mul(all, parts)));
         const VU of_other =
             hn::IfThenElseZero(hn::RebindMask(u32, mixes), hn::ShiftRight<kOtherQuarterShift>(all));
         const VU weight = hn::IfThenElseZero(same, hn::IfThenElse(own, all, of_other));
