@@ -86,8 +86,8 @@ void follow_way(const EyePrediction& eye, double time, KeyframeFrames& frames) {
     if (before < 0) frames.follow(eye.after(before), time);
 }
 
-double time_for_keyframes(double ms, double usual_ms, double keyframes_ms) {
-  if (keyframes_ms < kFarLess * usual_ms) return KeyframeProducer::kAtOnce;
+double time_for_keyframes(double ms, double usual_ms, double polygons_ms, double keyframes_ms) {
+  if (keyframes_ms < kFarLess * std::min(usual_ms, polygons_ms)) return KeyframeProducer::kAtOnce;
   return std::max(kWithKeyframes * usual_ms - ms, kLeastForKeyframes * usual_ms);
 }
 

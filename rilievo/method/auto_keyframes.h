@@ -54,9 +54,11 @@ void follow_way(const EyePrediction& eye, double time, KeyframeFrames& frames);
 
 // The time that a frame may spend on keyframes that it makes a part of, where the frame took `ms`
 // and such frames take `usual_ms`: both together take about 1.4 times that, or what that frame
-// takes and a little. Where frames of keyframes are expected to take far less, `keyframes_ms`, the
-// sooner there are two the better: a frame makes all of one.
-[[nodiscard]] double time_for_keyframes(double ms, double usual_ms, double keyframes_ms);
+// takes and a little. Where frames of keyframes are expected to take far less, `keyframes_ms`, than
+// such frames and than polygons, the sooner there are two the better: a frame makes all of one. The
+// frames alone do not say so: the cache's first ones capture.
+[[nodiscard]] double time_for_keyframes(double ms, double usual_ms, double polygons_ms,
+                                        double keyframes_ms);
 
 // What is warped from keyframes loses where the eye will be when the next one is half complete, as
 // far as these show it; halfway both are the farthest. None: it is not known. Fails where memory

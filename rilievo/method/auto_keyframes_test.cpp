@@ -18,15 +18,18 @@ TEST(AutoKeyframes, a_frame_that_makes_a_part_takes_little_longer_than_others) {
     int frames = 0;
     for (; left > 0 && frames < 1000; ++frames) {
       const double ms = (frames % 8 == 3 ? 1.35 : 0.95) * usual;
-      const double part = time_for_keyframes(ms, usual, usual / 2);
+      const double part = time_for_keyframes(ms, usual, usual, usual / 2);
       EXPECT_GT(part, 0);
       EXPECT_LE(ms + part, 1.5 * usual + 1e-9);
       left -= part;
     }
     EXPECT_LT(frames, 120);
     // A frame that takes long anyway makes little.
-    EXPECT_LT(time_for_keyframes(5 * usual, usual, usual / 2), 0.2 * usual);
-    EXPECT_EQ(time_for_keyframes(usual, usual, usual / 4), KeyframeProducer::kAtOnce);
+    EXPECT_LT(time_for_keyframes(5 * usual, usual, usual, usual / 2), 0.2 * usual);
+    EXPECT_EQ(time_for_keyframes(usual, usual, usual, usual / 4), KeyframeProducer::kAtOnce);
+    // Frames that capture take longer than polygons.
+    EXPECT_LT(time_for_keyframes(usual, usual, usual / 2, usual / 4), usual);
+    EXPECT_LT(time_for_keyframes(usual, usual, 2 * usual, usual / 2), usual);
   }
 }
 

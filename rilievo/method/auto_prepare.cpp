@@ -87,7 +87,8 @@ void AutoFrames::make_part(const Camera& camera, double time, double ms) {
   const bool jumped = std::exchange(made_.jumped, false);
   if (jumped) made_.first_seen = made_.followed = false;
   if (!std::exchange(made_.followed, true)) follow_way(eye_, time, frames);
-  const double part_ms = time_for_keyframes(ms, usual_ms, outlook_[kKeyframes].guess_ms);
+  const double part_ms =
+      time_for_keyframes(ms, usual_ms, outlook_[kDirect].guess_ms, outlook_[kKeyframes].guess_ms);
   if (!frames.prepare(camera, time, jumped, part_ms)) {
     made_.failed = true, stage_ = Preparing::made;
   } else if (frames.prepared()) {
