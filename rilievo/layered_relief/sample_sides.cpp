@@ -29,7 +29,7 @@ glm::dvec2 texel_of(const Camera& camera) {
 std::unordered_set<std::uint32_t> find_closed_objects(
     std::span<const LayeredDepthImage* const> pictures) {
   struct Lines {
-    std::size_t once = 0, even = 0;
+    std::size_t met = 0, once = 0, even = 0;
   };
   std::map<std::uint32_t, Lines> lines;
   std::vector<std::uint32_t> objects;
@@ -42,6 +42,7 @@ std::unordered_set<std::uint32_t> find_closed_objects(
       for (auto from = objects.begin(); from != objects.end();) {
         const auto to = std::upper_bound(from, objects.end(), *from);
         Lines& of = lines[*from];
+        ++of.met;
         of.once += to - from == 1;
         of.even += (to - from) % 2 == 0;
         from = to;
@@ -49,7 +50,9 @@ std::unordered_set<std::uint32_t> find_closed_objects(
     }
   std::unordered_set<std::uint32_t> closed;
   for (const auto& [object, of] : lines)
-    if (double(of.even) >= kClosedShare * double(of.even + of.once)) closed.insert(object);
+    if (double(of.even) >= kClosedShare * double(of.even + of.once) &&
+        double(of.even) >= kLeastEven * double(of.met))
+      closed.insert(object);
   return closed;
 }
 

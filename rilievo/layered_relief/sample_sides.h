@@ -17,9 +17,10 @@ namespace rilievo {
 
 // Objects that are closed bodies, which have an inner side that nobody sees: of the lines of sight
 // that meet one once or an even number of times, at least kClosedShare go in as often as they come
-// out. Leaves are met once as often as twice. Other odd numbers say nothing: they come of bodies
-// that touch, too, whose surfaces are merged there.
-inline constexpr double kClosedShare = 0.85;
+// out. Leaves are met once as often as twice. Other odd numbers come of bodies that touch, too,
+// whose surfaces are merged there; but leaves, however many, are met an even number of times by
+// half of all lines at most, and of a body at least kLeastEven.
+inline constexpr double kClosedShare = 0.85, kLeastEven = 0.6;
 [[nodiscard]] std::unordered_set<std::uint32_t> find_closed_objects(
     std::span<const LayeredDepthImage* const> pictures);
 
