@@ -66,10 +66,12 @@ std::optional<KeptSpeed> parse_kept_speed(std::string_view text, const SpeedDepe
       if (json.at(key) != value) return std::nullopt;
     const std::optional<PolygonTimes> opengl = parse_times(json.at("opengl")),
                                       software = parse_times(json.at("software"));
-    const auto measured_at = json.at("measured_at").get<std::int64_t>();
-    const int agreed = json.at("agreed").get<int>();
-    if (!opengl || !software || measured_at < 0 || agreed < 0) return std::nullopt;
-    return KeptSpeed{{*opengl, *software}, measured_at, agreed};
+    const Json &at = json.at("measured_at"), &times = json.at("agreed");
+    if (!at.is_number_integer() || !times.is_number_integer()) return std::nullopt;
+    const auto measured_at = at.get<std::int64_t>(), agreed = times.get<std::int64_t>();
+    if (!opengl || !software || measured_at < 0 || agreed < 0 || agreed > kMostAgreed)
+      return std::nullopt;
+    return KeptSpeed{{*opengl, *software}, measured_at, int(agreed)};
   } catch (const Json::exception&) {
     return std::nullopt;
   }

@@ -55,7 +55,10 @@ TEST(KeptSpeed, damaged_files_are_not_read) {
                                  {"280", "1e99"},
                                  {"280", "\"a\""},
                                  {"\"measured_at\": 5", "\"measured_at\": -5"},
+                                 {"\"measured_at\": 5", "\"measured_at\": 1e300"},
                                  {"\"agreed\": 0", "\"agreed\": -1"},
+                                 {"\"agreed\": 0", "\"agreed\": 2147483647"},
+                                 {"\"agreed\": 0", "\"agreed\": 1e300"},
                                  {"\"agreed\"", "\"x\""}}) {
     std::string other = text;
     const std::size_t at = other.find(from);
