@@ -44,8 +44,8 @@ struct CaptureRequest {
   // Indices into the scene's objects; empty: everything that the camera sees.
   std::span<const std::uint32_t> objects = {};
   int samples = 4;  // per texel; colours are averaged, alpha is coverage
-  // The one sample of a texel lies beside its centre (staggered_position(), sample_buffer.h), and
-  // its depth is that there. Ignored with more samples, and by sources that have no such samples.
+  // The one sample of a texel lies beside its centre (staggered_position(), sample_buffer.h), with
+  // its depth there. Not with `farthest`. Ignored with more samples, and by sources without such.
   bool staggered = false;
   bool identifiers = true;                  // capture the object shown by each texel
   bool farthest = false;                    // capture CapturedPicture::farthest

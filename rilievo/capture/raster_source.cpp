@@ -6,6 +6,7 @@
 
 #include "rilievo/capture/bound_thin_texels.h"
 #include "rilievo/capture/raster_in_parts.h"
+#include "rilievo/core/expects.h"
 
 namespace rilievo {
 namespace {
@@ -25,6 +26,8 @@ Box RasterSource::bounds(std::span<const std::uint32_t> objects) const {
 
 Result<CapturedPicture> RasterSource::capture(const CaptureRequest& request) {
   if (Result<> can = can_rasterize(request, name()); !can) return can.error();
+  const bool staggered = request.samples == 1 && request.staggered;
+  RILIEVO_EXPECTS(!(staggered && request.farthest));
   const Camera& camera = request.camera;
   std::span<const std::uint32_t> objects = request.objects;
   // Of many objects, as of a whole view, most are outside of a band of it.
@@ -42,10 +45,9 @@ Result<CapturedPicture> RasterSource::capture(const CaptureRequest& request) {
       if (farthest_of(camera, placed_.bounds()[object]) > camera.z_far)
         return Error{std::string(name()),
                      "the rasteriser needs a far plane behind all of the objects' surfaces"};
-  CapturedPicture captured{
-      rasterizer_.capture(camera, objects, placed_.poses(), request.samples, request.with_sky,
-                          request.samples == 1 && request.staggered),
-      {}};
+  CapturedPicture captured{rasterizer_.capture(camera, objects, placed_.poses(), request.samples,
+                                               request.with_sky, staggered),
+                           {}};
   captured.picture.name = name();
   if (!request.identifiers) captured.picture.object = {};
   if (request.farthest)

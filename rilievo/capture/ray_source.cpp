@@ -5,6 +5,7 @@
 
 #include "rilievo/capture/bound_thin_texels.h"
 #include "rilievo/capture/least_roughness.h"
+#include "rilievo/core/expects.h"
 #include "rilievo/core/parallel_for.h"
 #include "rilievo/render/rays/cast_layers.h"
 #include "rilievo/render/rays/cast_picture.h"
@@ -54,10 +55,12 @@ Result<CapturedPicture> RaySource::capture(const CaptureRequest& request) {
   if (request.with_sky && request.camera.keeps_farthest())
     return Error{std::string(name()), "a back-perspective camera sees no sky"};
   if (Result<> fits = strokes_fit(rays_.scene(), request.camera); !fits) return fits.error();
-  CapturedPicture captured{cast_picture(rays_, request.camera,
-                                        {request.objects, request.samples, request.with_sky,
-                                         request.samples == 1 && request.staggered}),
-                           {}};
+  const bool staggered = request.samples == 1 && request.staggered;
+  RILIEVO_EXPECTS(!(staggered && request.farthest));
+  CapturedPicture captured{
+      cast_picture(rays_, request.camera,
+                   {request.objects, request.samples, request.with_sky, staggered}),
+      {}};
   captured.picture.name = name();
   if (!request.identifiers) captured.picture.object = {};
   if (request.farthest) captured.farthest = cast_farthest(rays_, request.camera, request.objects);

@@ -248,7 +248,8 @@ void KeyframeProducer::hide(std::span<const std::uint32_t> objects) {
 
 Result<> KeyframeProducer::make_whole() {
   begin(frame_);
-  // A source that captures in parts takes its memory for these now, not when frames are timed.
+  // A source that captures in parts takes its memory for these now, not when frames are timed,
+  // whose steps are smaller.
   const int columns =
       maker_.takes_parts(source_) ? maker_.camera().width / kFirstSteps + 1 : 1 << 20;
   while (maker_.busy())

@@ -120,6 +120,7 @@ PictureGeometry placed(PictureGeometry geometry, const glm::dmat4& world_from_ca
 void codes_of_row(const Prewarped& picture, const PicturePiece& piece, int y,
                   std::uint16_t* codes) {
   const int w = picture.width(), h = picture.height(), v = piece.y + y;
+  if (piece.width <= 0) return;
   const auto row = [&](int at) {
     return picture.delta.data() + std::size_t(std::clamp(at, 0, h - 1)) * std::size_t(w) +
            std::size_t(piece.x);

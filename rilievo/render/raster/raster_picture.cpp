@@ -115,7 +115,7 @@ DepthImage PictureRasterizer::capture(const Camera& camera, std::span<const std:
                                       bool staggered) {
   RILIEVO_EXPECTS(samples == 1 || !staggered);
   FrameRaster& raster = state_->raster;
-  // Depth and identifiers at the texels' centres, where they mean one surface ...
+  // Depth and identifiers at the texels' samples, where they mean one surface ...
   raster.place(camera, objects, poses);
   raster.fill(camera, 1, NearPlane::cuts, staggered);
   DepthImage picture;

@@ -209,13 +209,17 @@ TEST(SampleRaster, leaves_no_gap_between_neighbours_and_takes_no_sample_twice) {
   for (int round = 0; round < 12; ++round) {
     const int n = 2 + 3 * round, size = 80;
     Soup soup;
-    // Every other sheet has corners that lie on samples.
+    const Sampling sampling(round);
+    // In texels. Every other sheet has corners that lie on samples.
     for (int y = 0; y <= n; ++y)
       for (int x = 0; x <= n; ++x) {
         glm::vec2 p(1.5f * (2.0f * float(x) / float(n) - 1),
                     1.5f * (2.0f * float(y) / float(n) - 1));
         p += 0.8f / float(n) * glm::vec2(u(rng), u(rng));
-        if (round % 2 == 0) p = glm::round(p * 320.0f) / 320.0f;
+        p = 0.5f * float(size) * (p + 1.0f);
+        if (round % 2 == 0)
+          p = sampling.staggered ? (2.0f * glm::floor(p * 8.0f) + 1.0f) / 16.0f
+                                 : glm::round(p * 8.0f) / 8.0f;
         soup.positions.emplace_back(p, 0.2f * u(rng));
       }
     for (int y = 0; y < n; ++y)
@@ -228,11 +232,10 @@ TEST(SampleRaster, leaves_no_gap_between_neighbours_and_takes_no_sample_twice) {
           soup.indices.insert(soup.indices.end(), {a, b, c, b, d, c});
       }
     look(soup, size, size, 0.0f);
-    soup.instance.row_w = {0, 0, 0, 2};
-    soup.instance.row_x = float(size) * glm::vec4(1, 0, 0, 1);
-    soup.instance.row_y = float(size) * glm::vec4(0, 1, 0, 1);
+    soup.instance.row_x = {1, 0, 0, 0}, soup.instance.row_y = {0, 1, 0, 0};
+    soup.instance.row_w = {0, 0, 0, 1}, soup.instance.row_z = {0, 0, 0.25f, 0.5f};
     soup.instance.front = soup.instance.back = true;
-    for (const int t : times_covered(soup.instance, size, Sampling(round)))
+    for (const int t : times_covered(soup.instance, size, sampling))
       ASSERT_EQ(t, 1) << "sheet " << round;
   }
 }

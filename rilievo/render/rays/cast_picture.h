@@ -26,7 +26,7 @@ struct CastOptions {
   bool staggered = false;  // with one ray: at staggered_position() (sample_buffer.h)
 };
 
-// Casts a ray through each texel's centre: eye_z, object, and linear light. With 4 samples colours
+// Casts a ray through each texel's sample: eye_z, object, and linear light. With 4 samples colours
 // are averaged over other rays, and alpha is coverage; where the centre shows nothing, so does the
 // texel, unless there is a sky: then every texel has a colour, and is opaque. Requires a valid
 // camera.

@@ -2,8 +2,8 @@
 //
 // Triangles are added pixel by pixel, as a visibility buffer has them, and shaded together, mesh by
 // mesh: what belongs to one is placed and made alike. A triangle is shaded at the pixel's centre if
-// all samples show it, else in the middle of those that do: the centre may lie outside the
-// triangle, and on the plane of a slanted one far from it. Internal to render/raster and
+// all of several samples show it, else in the middle of those that do: the centre may lie outside
+// the triangle, and on the plane of a slanted one far from it. Internal to render/raster and
 // render/rays.
 #pragma once
 
