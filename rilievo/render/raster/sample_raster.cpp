@@ -69,7 +69,7 @@ Pattern make_pattern(int part, const SampleBuffer& of, int lanes) {
 constexpr bool kOneLane = hn::MaxLanes(F()) == 1;
 
 // The height of a staggered sample over its row, where a vector has one texel.
-float height_in_row(int column) { return staggered_position(column, 0).y; }
+[[maybe_unused]] float height_in_row(int column) { return staggered_position(column, 0).y; }
 
 // How far to the right of the pattern the samples of a row lie.
 float beside_pattern(const SampleBuffer& of, int row) {
