@@ -126,7 +126,8 @@ class Far(command.Case):
             baked = self.folder / "baked.exr"
             self.succeeds("bake", scene, *SMALL_BAKES["layered-impostor"], "-o", baked)
             done = self.succeeds("compare", baked, "--scene", scene, "--path", path, "--frames", "2",
-                                 "--size", "64x48", "-o", self.folder / "report", "--json", "-")
+                                 "--draw", "opengl", "--size", "64x48", "-o",
+                                 self.folder / "report", "--json", "-")
             psnr.append(json.loads(done.stdout)["methods"]["layered-impostor"]["psnr_db"])
         self.assertEqual(psnr[0], psnr[1])
 
