@@ -44,8 +44,8 @@ struct CaptureRequest {
   // Indices into the scene's objects; empty: everything that the camera sees.
   std::span<const std::uint32_t> objects = {};
   int samples = 4;  // per texel; colours are averaged, alpha is coverage
-  // The one sample of a texel lies beside its centre (staggered_position(), sample_buffer.h), with
-  // its depth there. Not with `farthest`. Ignored with more samples, and by sources without such.
+  // The sample lies in a rotated grid (staggered_position()), beside the texel's centre, with its
+  // depth there. Requires one sample and no `farthest`. Sources without such samples ignore it.
   bool staggered = false;
   bool identifiers = true;                  // capture the object shown by each texel
   bool farthest = false;                    // capture CapturedPicture::farthest

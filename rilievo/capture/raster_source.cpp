@@ -26,8 +26,7 @@ Box RasterSource::bounds(std::span<const std::uint32_t> objects) const {
 
 Result<CapturedPicture> RasterSource::capture(const CaptureRequest& request) {
   if (Result<> can = can_rasterize(request, name()); !can) return can.error();
-  const bool staggered = request.samples == 1 && request.staggered;
-  RILIEVO_EXPECTS(!(staggered && request.farthest));
+  RILIEVO_EXPECTS(!(request.staggered && request.farthest));
   const Camera& camera = request.camera;
   std::span<const std::uint32_t> objects = request.objects;
   // Of many objects, as of a whole view, most are outside of a band of it.
@@ -46,7 +45,7 @@ Result<CapturedPicture> RasterSource::capture(const CaptureRequest& request) {
         return Error{std::string(name()),
                      "the rasteriser needs a far plane behind all of the objects' surfaces"};
   CapturedPicture captured{rasterizer_.capture(camera, objects, placed_.poses(), request.samples,
-                                               request.with_sky, staggered),
+                                               request.with_sky, request.staggered),
                            {}};
   captured.picture.name = name();
   if (!request.identifiers) captured.picture.object = {};

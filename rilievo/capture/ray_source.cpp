@@ -55,11 +55,10 @@ Result<CapturedPicture> RaySource::capture(const CaptureRequest& request) {
   if (request.with_sky && request.camera.keeps_farthest())
     return Error{std::string(name()), "a back-perspective camera sees no sky"};
   if (Result<> fits = strokes_fit(rays_.scene(), request.camera); !fits) return fits.error();
-  const bool staggered = request.samples == 1 && request.staggered;
-  RILIEVO_EXPECTS(!(staggered && request.farthest));
+  RILIEVO_EXPECTS(!(request.staggered && request.farthest));
   CapturedPicture captured{
       cast_picture(rays_, request.camera,
-                   {request.objects, request.samples, request.with_sky, staggered}),
+                   {request.objects, request.samples, request.with_sky, request.staggered}),
       {}};
   captured.picture.name = name();
   if (!request.identifiers) captured.picture.object = {};

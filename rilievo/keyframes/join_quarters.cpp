@@ -51,17 +51,14 @@ HWY_INLINE void load_two(const std::uint32_t* colors, const float* inverse_z, in
   hn::LoadInterleaved2(F(), inverse_z + at, one.inverse_z, other.inverse_z);
 }
 
-// A quarter's own share, in shares of a side.
-constexpr std::uint32_t kOwnPart = 2;
-
 // A quarter's colour, smoothed if asked for, and of quarter_code() how many sides show what.
 template <bool smooth>
 HWY_INLINE VU with_sides(const Quarters& own, const Quarters& left, const Quarters& right,
                          const Quarters& above, const Quarters& below) {
   VU same = bits(0), nearer = bits(0);
   // Two bytes at a time.
-  VU even = hn::Mul(bits(kOwnPart), hn::And(own.color, bits(0x00ff00ff))),
-     odd = hn::Mul(bits(kOwnPart), hn::And(hn::ShiftRight<8>(own.color), bits(0xff)));
+  VU even = hn::Mul(bits(kOwnParts), hn::And(own.color, bits(0x00ff00ff))),
+     odd = hn::Mul(bits(kOwnParts), hn::And(hn::ShiftRight<8>(own.color), bits(0xff)));
   for (const Quarters* side : {&left, &right, &above, &below}) {
     const Mask alike = same_surface(side->inverse_z, own.inverse_z);
     same = hn::Add(same, count_of(alike));
@@ -74,12 +71,10 @@ HWY_INLINE VU with_sides(const Quarters& own, const Quarters& left, const Quarte
   }
   const VU code = hn::Or(hn::ShiftLeft<27>(same), hn::ShiftLeft<24>(nearer));
   if constexpr (!smooth) return hn::Or(own.color, code);
-  // 65536 / (2 to 6)
-  VU per = bits(32768);
-  per = hn::IfThenElse(hn::Eq(same, bits(1)), bits(21845), per);
-  per = hn::IfThenElse(hn::Eq(same, bits(2)), bits(16384), per);
-  per = hn::IfThenElse(hn::Eq(same, bits(3)), bits(13107), per);
-  per = hn::IfThenElse(hn::Eq(same, bits(4)), bits(10923), per);
+  const auto inverse = [](std::uint32_t parts) { return bits((65536 + parts / 2) / parts); };
+  VU per = inverse(kOwnParts);
+  for (std::uint32_t sides = 1; sides <= 4; ++sides)
+    per = hn::IfThenElse(hn::Eq(same, bits(sides)), inverse(kOwnParts + sides), per);
   const auto mean = [&](VU sum) {
     return hn::ShiftRight<16>(hn::Add(hn::Mul(sum, per), bits(32768)));
   };

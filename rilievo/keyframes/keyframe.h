@@ -34,6 +34,9 @@ enum class Quarter : std::uint32_t { own = 0, nearer = 1, farther = 2 };
                                                    std::uint32_t nearer_beside) {
   return std::uint32_t(shows) << 30 | same_beside << 27 | nearer_beside << 24;
 }
+// A quarter counts so much, in colours that are smoothed and for what covers a pixel at an edge,
+// and each of its four sides 1: about as much as a pixel's own width shows of them.
+inline constexpr std::uint32_t kOwnParts = 2, kQuarterParts = kOwnParts + 4;
 // Of a texel without quarters.
 inline constexpr std::uint32_t kWholeTexel = quarter_code(Quarter::own, 4, 0);
 

@@ -70,9 +70,6 @@ inline constexpr int kTexelWeights = 256, kLeastShown = 64, kAllShown = 250;
 // its weight is shifted by so many bits. Away from edges it does not do alone, and of the sky it
 // does not count: it would be a dot of something nearer, which is elsewhere in the frame.
 inline constexpr int kOtherQuarterShift = 3;
-// What a quarter shows in front counts so much, and each of its four sides 1: about as much as a
-// pixel's own width shows of them.
-inline constexpr int kOwnFront = 2, kFrontParts = kOwnFront + 4;
 // Half of the side of a texel's square, in texels: a little more than half, against cracks.
 inline constexpr float kHalfSquare = 0.55f;
 // A surface whose texels have grown by more, because the eye came so much nearer to it, is not

@@ -234,7 +234,7 @@ HWY_INLINE Found find(const WarpSource* sources, int count, VF px, float py, VF 
         odd = hn::Add(odd, hn::Mul(weight, hn::And(hn::ShiftRight<8>(colors[i]), pairs)));
       }
       // Each quarter counts with its four sides.
-      sure = known = shown, front = hn::Mul(shown, hn::Set(u32, kFrontParts));
+      sure = known = shown, front = hn::Mul(shown, hn::Set(u32, kQuarterParts));
     } else {
       for (int i = 0; i < 4; ++i) {
         const VF depth = depths[i];
@@ -253,7 +253,7 @@ HWY_INLINE Found find(const WarpSource* sources, int count, VF px, float py, VF 
         // front of a texel behind there is what is looked up.
         const VU seven = hn::Set(u32, 7);
         const VU of_same =
-            hn::Add(hn::And(hn::ShiftRight<27>(color), seven), hn::Set(u32, kOwnFront));
+            hn::Add(hn::And(hn::ShiftRight<27>(color), seven), hn::Set(u32, kOwnParts));
         const VU of_nearer = hn::And(hn::ShiftRight<24>(color), seven);
         const auto in_front = hn::Or(hn::And(same, own), hn::And(before, nearer));
         const auto behind = hn::AndNot(nearer, hn::Or(same, before));

@@ -215,9 +215,10 @@ std::uint32_t shade(const WarpSource* sources, int count, const DepthStrip& stri
       // Without anything behind, the surface in front is all there is.
       const VF covers =
           hn::Div(nearer.front, select(hn::Gt(nearer.weight, zero), nearer.weight, one));
-      part =
-          select(behind,
-                 hn::Min(hn::Mul(covers, number(1.0f / (kFrontParts * kTexelWeights))), one), part);
+      part = select(
+          behind,
+          hn::Min(hn::Mul(covers, number(1.0f / (float(kQuarterParts) * kTexelWeights))), one),
+          part);
       w = select(hn::And(behind, hn::Lt(part, number(0.5f))), back, w);
       shown = hn::Or(shown, behind);
       add_part(farther, hn::IfThenElseZero(behind, hn::Sub(one, part)), sum);
