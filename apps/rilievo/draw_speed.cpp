@@ -48,10 +48,10 @@ std::int64_t seconds_since_1970() {
 }
 
 // What cannot be kept is measured again.
-void keep(const KeptSpeed& kept, const SpeedDependsOn& on, const std::filesystem::path& file) {
+void keep(const std::filesystem::path& file, const std::string& text) {
   std::error_code failed;
   std::filesystem::create_directories(file.parent_path(), failed);
-  if (!failed) static_cast<void>(write_file(file, kept_speed_json(kept, on)));
+  if (!failed) static_cast<void>(write_file(file, text));
 }
 
 Result<DrawSpeed> measure() {
@@ -67,13 +67,17 @@ Result<DrawSpeed> kept_or_measured() {
   const std::filesystem::path file = kept_file();
   if (file.empty()) return measure();
   const SpeedDependsOn on = of_this_machine();
-  std::optional<KeptSpeed> kept;
-  if (const Result<std::string> text = read_file(file, kMaxKeptBytes))
-    kept = parse_kept_speed(*text, on);
+  const auto text = [&file] {
+    const Result<std::string> read = read_file(file, kMaxKeptBytes);
+    return read ? *read : std::string();
+  };
+  const std::optional<KeptSpeed> kept = find_kept_speed(text(), on);
   const std::int64_t now = seconds_since_1970();
   if (kept && holds(*kept, now)) return kept->speed;
   Result<DrawSpeed> measured = measure();
-  if (measured) keep(measured_again(kept ? &*kept : nullptr, *measured, now), on, file);
+  // Read again: another program may have kept something meanwhile.
+  const KeptSpeed* before = kept ? &*kept : nullptr;
+  if (measured) keep(file, with_kept_speed(text(), measured_again(before, *measured, now), on));
   return measured;
 }
 

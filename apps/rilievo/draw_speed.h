@@ -2,8 +2,9 @@
 //
 // Both draw a small scene of polygons first, for half a second. What they took is kept in
 // $XDG_CACHE_HOME/rilievo/draw_speed.json, or in ~/.cache, for runs of the same build on the same
-// machine, for a day, or for a month if it agrees with the one before (kept_speed.h). Where no file
-// can be kept it is measured in each run.
+// machine, for a day, or for a month if it agrees with the one before (kept_speed.h). What other
+// builds and machines measured stays there, too. Where no file can be kept it is measured in each
+// run.
 #pragma once
 
 #include <optional>

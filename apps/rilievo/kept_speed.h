@@ -5,8 +5,12 @@
 // one. The first one holds for a day; one that found about the same as the one before holds for a
 // month. So what was disturbed decides for a day at most, unless it is disturbed in the same way
 // twice. The size of a scene is no part: the times are of a triangle and of a pixel.
+//
+// One file keeps several, the newest first: a home may be shared by machines, and a machine may run
+// with other drivers or numbers of threads in turn.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -44,9 +48,15 @@ inline constexpr double kAboutTheSame = 1.5;
 [[nodiscard]] KeptSpeed measured_again(const KeptSpeed* before, const DrawSpeed& speed,
                                        std::int64_t now);
 
-// The text of a file, and back. None: it is damaged, or depends on something else.
-[[nodiscard]] std::string kept_speed_json(const KeptSpeed& kept, const SpeedDependsOn& on);
-[[nodiscard]] std::optional<KeptSpeed> parse_kept_speed(std::string_view text,
-                                                        const SpeedDependsOn& on);
+// A file keeps so many.
+inline constexpr std::size_t kMostKept = 16;
+
+// What a file keeps of those things. None: nothing, or it is damaged.
+[[nodiscard]] std::optional<KeptSpeed> find_kept_speed(std::string_view file,
+                                                       const SpeedDependsOn& on);
+// The file with that in place of what it kept of those things; what else it kept stays, up to
+// kMostKept in all. Damaged parts go.
+[[nodiscard]] std::string with_kept_speed(std::string_view file, const KeptSpeed& kept,
+                                          const SpeedDependsOn& on);
 
 }  // namespace rilievo::app

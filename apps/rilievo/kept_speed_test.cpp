@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <map>
 #include <random>
 
 namespace rilievo::app {
@@ -19,37 +20,83 @@ void expect_same(const KeptSpeed& a, const KeptSpeed& b) {
   EXPECT_EQ(a.agreed, b.agreed);
 }
 
+std::string file_of(const KeptSpeed& kept, const SpeedDependsOn& on) {
+  return with_kept_speed("", kept, on);
+}
+
+// As kHere, but for the number of threads.
+SpeedDependsOn with_threads(int threads) {
+  SpeedDependsOn on = kHere;
+  on.threads = threads;
+  return on;
+}
+
 TEST(KeptSpeed, a_file_says_what_was_measured) {
   const KeptSpeed kept{kSpeed, 1'800'000'000, 3};
-  const std::optional<KeptSpeed> read = parse_kept_speed(kept_speed_json(kept, kHere), kHere);
+  const std::optional<KeptSpeed> read = find_kept_speed(file_of(kept, kHere), kHere);
   ASSERT_TRUE(read);
   expect_same(*read, kept);
 }
 
 TEST(KeptSpeed, of_another_machine_driver_or_build_it_is_not_read) {
-  const std::string text = kept_speed_json({kSpeed, 5, 0}, kHere);
+  const std::string text = file_of({kSpeed, 5, 0}, kHere);
   for (std::string SpeedDependsOn::*part :
        {&SpeedDependsOn::gl_renderer, &SpeedDependsOn::gl_version, &SpeedDependsOn::processor,
         &SpeedDependsOn::program}) {
     SpeedDependsOn other = kHere;
     other.*part += "2";
-    EXPECT_FALSE(parse_kept_speed(text, other)) << other.*part;
+    EXPECT_FALSE(find_kept_speed(text, other)) << other.*part;
   }
   SpeedDependsOn more = kHere;
   more.threads = 8;
-  EXPECT_FALSE(parse_kept_speed(text, more));
+  EXPECT_FALSE(find_kept_speed(text, more));
+}
+
+TEST(KeptSpeed, what_others_keep_stays) {
+  std::string file;
+  std::map<int, KeptSpeed> all;  // by threads: the slow twin
+  std::mt19937 random(5);
+  for (int i = 0; i < 200; ++i) {
+    const int threads = 1 + int(random() % kMostKept);
+    const KeptSpeed kept{kSpeed, i, int(random() % 9)};
+    file = with_kept_speed(file, kept, with_threads(threads));
+    all[threads] = kept;
+    for (const auto& [other, expected] : all) {
+      const std::optional<KeptSpeed> read = find_kept_speed(file, with_threads(other));
+      ASSERT_TRUE(read) << other;
+      expect_same(*read, expected);
+    }
+  }
+}
+
+TEST(KeptSpeed, the_oldest_of_many_goes) {
+  std::string file;
+  for (int i = 0; i < 100; ++i) file = with_kept_speed(file, {kSpeed, i, 0}, with_threads(i));
+  // 64 kB are read of a file.
+  EXPECT_LT(file.size(), 32'768u);
+  for (int i = 0; i < 100; ++i)
+    EXPECT_EQ(find_kept_speed(file, with_threads(i)).has_value(), i >= 100 - int(kMostKept)) << i;
+}
+
+TEST(KeptSpeed, what_is_damaged_of_another_goes) {
+  std::string file =
+      with_kept_speed(file_of({kSpeed, 7, 0}, with_threads(8)), {kSpeed, 5, 0}, kHere);
+  file.replace(file.rfind("280"), 3, "-1");
+  EXPECT_FALSE(find_kept_speed(file, with_threads(8)));
+  EXPECT_TRUE(find_kept_speed(file, kHere));
+  EXPECT_EQ(with_kept_speed(file, {kSpeed, 5, 0}, kHere), file_of({kSpeed, 5, 0}, kHere));
 }
 
 TEST(KeptSpeed, names_that_are_no_text_are_compared_as_well) {
   SpeedDependsOn odd = kHere;
   odd.gl_renderer = "\xff\xfe";
-  EXPECT_TRUE(parse_kept_speed(kept_speed_json({kSpeed, 5, 0}, odd), odd));
+  EXPECT_TRUE(find_kept_speed(file_of({kSpeed, 5, 0}, odd), odd));
 }
 
 TEST(KeptSpeed, damaged_files_are_not_read) {
-  const std::string text = kept_speed_json({kSpeed, 5, 0}, kHere);
+  const std::string text = file_of({kSpeed, 5, 0}, kHere);
   for (std::size_t length = 0; length + 2 < text.size(); ++length)
-    EXPECT_FALSE(parse_kept_speed(std::string_view(text).substr(0, length), kHere)) << length;
+    EXPECT_FALSE(find_kept_speed(std::string_view(text).substr(0, length), kHere)) << length;
   for (const auto& [from, to] : {std::pair("280", "0"),
                                  {"280", "-1"},
                                  {"280", "1e99"},
@@ -64,7 +111,7 @@ TEST(KeptSpeed, damaged_files_are_not_read) {
     const std::size_t at = other.find(from);
     ASSERT_NE(at, std::string::npos) << from;
     other.replace(at, std::string_view(from).size(), to);
-    EXPECT_FALSE(parse_kept_speed(other, kHere)) << to;
+    EXPECT_FALSE(find_kept_speed(other, kHere)) << to;
   }
 }
 

@@ -92,23 +92,32 @@ class Software(command.Case):
         file = kept / "rilievo" / "draw_speed.json"
         if not file.exists():
             self.skipTest("there is no OpenGL to compare with")
-        speed = json.loads(file.read_text())
+        def write(*kept):
+            file.write_text(json.dumps({**whole, "kept": kept}))
+        whole = json.loads(file.read_text())
+        speed, = whole["kept"]
         for faster, slower in (("opengl", "software"), ("software", "opengl")):
             for part in "triangle_ns", "pixel_ns":
                 speed[faster][part], speed[slower][part] = 1, 100
-            file.write_text(json.dumps(speed))
+            write(speed)
             self.assertEqual(self.drawn_by(kept), faster)
         # Damaged, another machine's or build's, or of long ago: it is measured again.
         old = {"measured_at": speed["measured_at"] - 40 * 24 * 3600, "agreed": 1}
         for other in None, {"gl_renderer": "another"}, {"program": "another"}, old:
-            file.write_text(json.dumps({**speed, **other}) if other else "{")
+            write({**speed, **other}) if other else file.write_text("{")
             # Beside other work either may be found to be the faster one.
             self.assertIn(self.drawn_by(kept), ("opengl", "software"))
-            again = json.loads(file.read_text())
+            again = json.loads(file.read_text())["kept"][0]
             self.assertEqual(set(again), set(speed))
             self.assertNotIn("another", (again["gl_renderer"], again["program"]))
             self.assertGreaterEqual(again["measured_at"], speed["measured_at"])
             self.assertNotEqual(again["software"]["triangle_ns"], speed["software"]["triangle_ns"])
+        # What another one keeps stays, and ours is used.
+        write({**speed, "program": "another", "measured_at": speed["measured_at"] + 9}, speed)
+        self.assertEqual(self.drawn_by(kept), "software")
+        write({**speed, "program": "another"})
+        self.drawn_by(kept)
+        self.assertEqual(json.loads(file.read_text())["kept"][1]["program"], "another")
 
     def test_no_place_to_keep_what_was_measured_is_no_error(self):
         self.assertIn(self.drawn_by("/dev/null"), ("opengl", "software"))
