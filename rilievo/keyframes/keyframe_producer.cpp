@@ -433,6 +433,13 @@ void KeyframeProducer::note_cost(double ms, int columns, double visibility_ms) {
   visibility_ms_ = made_visibility_ms_, shading_ms_ = made_ms_ - made_visibility_ms_;
 }
 
+void KeyframeProducer::take_complete() {
+  RILIEVO_EXPECTS(!options_.beside);
+  if (!std::exchange(complete_, false)) return;
+  add(maker_.take());
+  choose();
+}
+
 // What is visible takes a source as long for a frame's samples as for a keyframe's quarters, of
 // what is in view. But each quarter is shaded by itself, and of most pixels one sample.
 double KeyframeProducer::frame_ms() const {

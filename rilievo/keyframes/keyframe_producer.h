@@ -79,6 +79,9 @@ class KeyframeProducer {
   // interval, and with kAtOnce it takes one. Fails where the source does.
   static constexpr double kAtOnce = HUGE_VAL;
   Result<> work(double holes_ms = 0, double allowed_ms = 0);
+  // After a frame that was warped from none: a keyframe that it completed is there now, not from
+  // the next frame on. Not beside the frames.
+  void take_complete();
 
   // Objects of which the last frame's keyframes show nothing, ascending.
   [[nodiscard]] std::span<const std::uint32_t> left_out() const { return left_out_; }

@@ -382,7 +382,9 @@ Result<> KeyframeFrames::prepare(const Camera& camera, double time, bool anew, d
   (void)s.producer->follow(camera, time);
   Result<> done = s.producer->work(0, allowed_ms);
   (void)s.producer->take_work();
-  if (!s.options.keyframes.beside && s.producer->has_two()) s.producer->take_memory();
+  if (s.options.keyframes.beside) return done;
+  s.producer->take_complete();
+  if (s.producer->has_two()) s.producer->take_memory();
   return done;
 }
 
