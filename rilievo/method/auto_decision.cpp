@@ -226,6 +226,29 @@ int AutoDecision::plainly_worth_preparing(std::span<const AutoOutlook> outlook) 
   return best;
 }
 
+// While the first method warms up, too: what never drew, and takes less than half of that and of
+// all that can draw.
+int AutoDecision::plainly_worth_trying(std::span<const AutoOutlook> outlook) const {
+  const auto plain = [&](int i) {
+    const AutoOutlook& one = outlook[std::size_t(i)];
+    if (i == draws_ || !one.ready || !one.good_enough || one.guess_ms == 0) return false;
+    if (costs_[std::size_t(i)].mean_ms > 0 || reason_ != AutoReason::begins) return false;
+    double least = costs_[std::size_t(draws_)].mean_ms;
+    for (const AutoOutlook& other : outlook)
+      if (&other != &one && other.ready && other.guess_ms > 0)
+        least = std::min(least, other.guess_ms);
+    return one.guess_ms <= kPlainlyWorth * least;
+  };
+  for (int i = 0; i < int(candidates_.size()); ++i)
+    if (plain(i)) return i;
+  return -1;
+}
+
+// Does what draws take more than it will?
+bool AutoDecision::warms_up() const {
+  return since_change_ <= candidates_[std::size_t(draws_)].warm_up;
+}
+
 void AutoDecision::change(int to) {
   Cost& left = costs_[std::size_t(draws_)];
   left.age = 0, left.slow = slow_;
@@ -256,7 +279,8 @@ void AutoDecision::end_trial(std::span<const AutoOutlook> outlook) {
   cost.frames = found->frames, cost.age = 0, cost.slow = slow_;
   cost.measured += cost.frames;
   cost.recent.set(cost.mean_ms, cost.frames);
-  if (now.ready && now.good_enough && better(cost.mean_ms, tried, drawing.mean_ms, draws_)) {
+  const double drawing_ms = (warms_up() ? kPlainlyWorth : 1) * drawing.mean_ms;
+  if (now.ready && now.good_enough && better(cost.mean_ms, tried, drawing_ms, draws_)) {
     change(tried);
     reason_ = AutoReason::cheapest;
     return;
@@ -313,14 +337,14 @@ AutoChoice AutoDecision::next(std::span<const AutoOutlook> outlook, bool jumped,
     if (costs_[std::size_t(draws_)].frames >= AutoTrials::kFrames && settled) {
       const int best = best_known(outlook);
       const double now = costs_[std::size_t(draws_)].mean_ms;
-      const bool warm = since_change_ > candidates_[std::size_t(draws_)].warm_up;
+      const bool warm = !warms_up();
       if (best != draws_ && (since_change_ > candidates_[std::size_t(draws_)].dwell ||
                              (warm && now > kMuchMore * costs_[std::size_t(best)].mean_ms))) {
         change(best);
         reason_ = pace_ms_ > 0 && costs_[std::size_t(best)].mean_ms < kKeepsPace * pace_ms_
                       ? AutoReason::best
                       : AutoReason::cheapest;
-      } else if (since_change_ > candidates_[std::size_t(draws_)].warm_up) {
+      } else if (warm) {
         const bool slow = last_ms_ > AutoTrials::kMuch * now;
         const int tries = disturbed || slow ? -1 : worth_trying(outlook, true);
         // What is prepared would disturb the trial.
@@ -328,10 +352,12 @@ AutoChoice AutoDecision::next(std::span<const AutoOutlook> outlook, bool jumped,
         if (tries >= 0)
           trials_.begin(tries, candidates_[std::size_t(tries)].warm_up,
                         plausible(tries, outlook[std::size_t(tries)]));
+      } else if (const int tries = disturbed ? -1 : plainly_worth_trying(outlook); tries >= 0) {
+        trials_.begin(tries, candidates_[std::size_t(tries)].warm_up,
+                      plausible(tries, outlook[std::size_t(tries)]));
       }
     }
-    if (since_change_ <= candidates_[std::size_t(draws_)].warm_up &&
-        costs_[std::size_t(draws_)].fails == 0)
+    if (warms_up() && costs_[std::size_t(draws_)].fails == 0)
       prepares_ = plainly_worth_preparing(outlook);
   }
 

@@ -141,6 +141,8 @@ class AutoDecision {
   [[nodiscard]] int best_known(std::span<const AutoOutlook> outlook) const;
   [[nodiscard]] int worth_trying(std::span<const AutoOutlook> outlook, bool ready) const;
   [[nodiscard]] int plainly_worth_preparing(std::span<const AutoOutlook> outlook) const;
+  [[nodiscard]] int plainly_worth_trying(std::span<const AutoOutlook> outlook) const;
+  [[nodiscard]] bool warms_up() const;
   void change(int to);
   void end_trial(std::span<const AutoOutlook> outlook);
   [[nodiscard]] double over_guess(double ms) const;

@@ -281,6 +281,26 @@ TEST(AutoDecision, what_is_plainly_cheaper_is_prepared_from_the_first_frame_on) 
   EXPECT_GE(first_prepared(42), 12);
 }
 
+// As keyframes in grove-fly: what is ready need not wait until the first method has warmed up. But
+// its frames must take far less, too: the other will take less than it does.
+TEST(AutoDecision, what_is_plainly_cheaper_is_tried_while_the_first_method_warms_up) {
+  const auto draws_in_warm_up = [](double guess, double takes) {
+    const AutoCandidate candidates[] = {{"direct", 0}, {"cache", 1, 12}, {"keyframes", 3, 1}};
+    AutoDecision decision(candidates, 1);
+    for (int frame = 0; frame < 12; ++frame) {
+      const AutoOutlook outlook[] = {
+          {true, false, true, 70, 0}, {true, false, true, 0, 0}, {true, false, true, guess, 0}};
+      const AutoChoice choice = decision.next(outlook);
+      if (choice.draws == 2 && choice.reason == AutoReason::cheapest) return true;
+      decision.add(choice.draws == 1 ? 100 : takes);
+    }
+    return false;
+  };
+  EXPECT_TRUE(draws_in_warm_up(20, 20));
+  EXPECT_FALSE(draws_in_warm_up(42, 20));
+  EXPECT_FALSE(draws_in_warm_up(20, 60));
+}
+
 TEST(AutoDecision, of_what_is_plainly_cheaper_the_likely_is_prepared_first) {
   const std::vector<AutoCandidate> candidates{{"a", 0, 2}, {"sure", 1}, {"doubtful", 1, 0, 0.5}};
   // A little less, and much less.
