@@ -7,6 +7,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <numeric>
 
 #include "rilievo/core/expects.h"
 #include "rilievo/core/parallel_for.h"
@@ -221,29 +222,110 @@ SeenPlace look(LineOfSight& rays, std::size_t drawn, double nearest) {
   return {};
 }
 
+// Looks along lines of sight of a frame, for places_in_view().
+class FrameLook {
+ public:
+  FrameLook(const EnvironmentNodes& nodes, const Camera& frame, std::span<const std::size_t> asked,
+            std::size_t drawn)
+      : frame_(frame), drawn_(drawn) {
+    RILIEVO_EXPECTS(asked.size() <= 32);
+    for (const std::size_t k : asked) {
+      const NodeSketch& node = nodes.nodes[k];
+      const glm::dmat3 node_from_world = glm::transpose(glm::dmat3(node.world_from_node));
+      asked_.push_back({&node, node_from_world, node_from_world * (frame.position() - node.eye())});
+    }
+  }
+  // What lines show, given by their numbers, into all places.
+  void look_along(std::span<const int> lines, std::span<SeenPlace> places) const {
+    constexpr int kPiece = kViewColumns;
+    const int count = int(lines.size());
+    parallel_for(0, (count + kPiece - 1) / kPiece, [&](int piece) {
+      LineOfSight line(asked_);
+      for (int i = piece * kPiece; i < std::min(count, (piece + 1) * kPiece); ++i) {
+        const int number = lines[std::size_t(i)];
+        line.begin(direction(number % kViewColumns, number / kViewColumns));
+        places[std::size_t(number)] = look(line, drawn_, frame_.z_near);
+      }
+    });
+  }
+
+ private:
+  [[nodiscard]] glm::dvec3 direction(int column, int row) const {
+    const ImageWindow& w = frame_.window;
+    const double u = (column + 0.5) / kViewColumns, v = (row + 0.5) / kViewRows;
+    return glm::normalize(
+        glm::dmat3(frame_.world_from_eye) *
+        glm::dvec3(glm::mix(w.left, w.right, u), glm::mix(w.bottom, w.top, v), -1));
+  }
+
+  const Camera& frame_;
+  std::size_t drawn_;
+  std::vector<AskedNode> asked_;
+};
+
+// Of the places in view that none of the drawn nodes holds: first those alone that every second
+// line of sight shows, as on a chessboard, and what is connected with these.
+class LackingPlaces {
+ public:
+  LackingPlaces(const FrameLook& look, std::uint32_t drawn_ones)
+      : look_(look),
+        drawn_ones_(drawn_ones),
+        places_(std::size_t(kViewColumns * kViewRows)),
+        asked_(places_.size()) {
+    std::vector<int> lines, next;
+    for (int row = 0; row < kViewRows; ++row)
+      for (int column = row % 2; column < kViewColumns; column += 2)
+        take(row * kViewColumns + column, next);
+    while (!next.empty()) {
+      lines.swap(next);
+      next.clear();
+      look_.look_along(lines, places_);
+      for (const int line : lines) take_around(line, next);
+    }
+  }
+  // Asks all other lines.
+  void ask_all() {
+    std::vector<int> rest;
+    for (int line = 0; line < int(places_.size()); ++line) take(line, rest);
+    look_.look_along(rest, places_);
+  }
+  [[nodiscard]] bool lacks(std::size_t line) const {
+    return places_[line].held != 0 && (places_[line].held & drawn_ones_) == 0;
+  }
+  // Is a place lacking that the k-th node holds?
+  [[nodiscard]] bool is_filled(std::size_t line, std::size_t k) const {
+    return lacks(line) && (places_[line].held >> k & 1) != 0;
+  }
+  [[nodiscard]] std::size_t size() const { return places_.size(); }
+
+ private:
+  void take(int line, std::vector<int>& next) {
+    if (asked_[std::size_t(line)]) return;
+    asked_[std::size_t(line)] = true;
+    next.push_back(line);
+  }
+  void take_around(int line, std::vector<int>& next) {
+    if (!lacks(std::size_t(line))) return;
+    const int x = line % kViewColumns, y = line / kViewColumns;
+    for (int row = std::max(y - 1, 0); row <= std::min(y + 1, kViewRows - 1); ++row)
+      for (int column = std::max(x - 1, 0); column <= std::min(x + 1, kViewColumns - 1); ++column)
+        take(row * kViewColumns + column, next);
+  }
+
+  const FrameLook& look_;
+  std::uint32_t drawn_ones_;
+  std::vector<SeenPlace> places_;  // nothing where no line was asked
+  std::vector<bool> asked_;
+};
+
 }  // namespace
 
 std::vector<SeenPlace> places_in_view(const EnvironmentNodes& nodes, const Camera& frame,
                                       std::span<const std::size_t> asked, std::size_t drawn) {
-  RILIEVO_EXPECTS(asked.size() <= 32);
   std::vector<SeenPlace> places(std::size_t(kViewColumns * kViewRows));
-  const ImageWindow& w = frame.window;
-  std::vector<AskedNode> all;
-  for (const std::size_t k : asked) {
-    const NodeSketch& node = nodes.nodes[k];
-    const glm::dmat3 node_from_world = glm::transpose(glm::dmat3(node.world_from_node));
-    all.push_back({&node, node_from_world, node_from_world * (frame.position() - node.eye())});
-  }
-  parallel_for(0, kViewRows, [&](int row) {
-    LineOfSight line(all);
-    for (int column = 0; column < kViewColumns; ++column) {
-      const double u = (column + 0.5) / kViewColumns, v = (row + 0.5) / kViewRows;
-      line.begin(glm::normalize(
-          glm::dmat3(frame.world_from_eye) *
-          glm::dvec3(glm::mix(w.left, w.right, u), glm::mix(w.bottom, w.top, v), -1)));
-      places[std::size_t(row * kViewColumns + column)] = look(line, drawn, frame.z_near);
-    }
-  });
+  std::vector<int> lines(places.size());
+  std::iota(lines.begin(), lines.end(), 0);
+  FrameLook(nodes, frame, asked, drawn).look_along(lines, places);
   return places;
 }
 
@@ -254,36 +336,41 @@ FrameNodes nodes_for_frame(const EnvironmentNodes& nodes, const Camera& frame, s
   chosen.drawn = std::min(merged, order.size());
   const std::size_t asked = std::min(order.size(), kMostAsked);
   if (!fills || chosen.drawn >= asked || frame.projection != Projection::perspective) return chosen;
-  const std::vector<SeenPlace> places =
-      places_in_view(nodes, frame, std::span(order).first(asked), chosen.drawn);
-  const std::uint32_t held = (1u << chosen.drawn) - 1;
-  const auto fills_in = [&](const SeenPlace& place, std::size_t k) {
-    return (place.held & held) == 0 && (place.held >> k & 1) != 0;
-  };
+  const FrameLook look(nodes, frame, std::span(order).first(asked), chosen.drawn);
+  LackingPlaces places(look, (1u << chosen.drawn) - 1);
   // A farther node has larger texels, and fewer highlights in common with the others: what it adds
   // counts less, by the square root of its distance.
   const auto distance = [&](std::size_t k) {
     return glm::distance(nodes.nodes[order[k]].eye(), frame.position());
   };
-  const double usual = distance(chosen.drawn - 1);
+  const double usual = distance(chosen.drawn - 1), least = kLeastFilled * double(places.size());
   std::size_t best = 0;
   double most = 0;
-  for (std::size_t k = chosen.drawn; k < asked && sees(nodes.nodes[order[k]], frame.position());
-       ++k) {
-    const auto adds = std::count_if(places.begin(), places.end(),
-                                    [&](const SeenPlace& place) { return fills_in(place, k); });
-    const double score = double(adds) * std::sqrt(usual / std::max(distance(k), 1e-300));
-    if (score > most) most = score, best = k;
+  const auto find_best = [&] {
+    most = 0;
+    for (std::size_t k = chosen.drawn; k < asked && sees(nodes.nodes[order[k]], frame.position());
+         ++k) {
+      int adds = 0;
+      for (std::size_t i = 0; i < places.size(); ++i) adds += places.is_filled(i, k);
+      const double score = double(adds) * std::sqrt(usual / std::max(distance(k), 1e-300));
+      if (score > most) most = score, best = k;
+    }
+  };
+  find_best();
+  // Of specks of one line of sight about half were found.
+  if (most < least && 2 * most >= least) {
+    places.ask_all();
+    find_best();
   }
   if (most == 0) return chosen;
   // It is loaded before it is needed.
   const auto at = order.begin() + std::ptrdiff_t(chosen.drawn),
              from = order.begin() + std::ptrdiff_t(best);
   std::rotate(at, from, from + 1);
-  if (most < kLeastFilled * double(places.size())) return chosen;
+  if (most < least) return chosen;
   ++chosen.drawn;
   for (std::size_t i = 0; i < places.size(); ++i)
-    chosen.filled.marked[i] = fills_in(places[i], best);
+    chosen.filled.marked[i] = places.is_filled(i, best);
   return chosen;
 }
 

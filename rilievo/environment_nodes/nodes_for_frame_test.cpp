@@ -181,5 +181,60 @@ TEST(NodesForFrame,
   EXPECT_LE(missed, lacking / 20);
 }
 
+// The slow way: all lines of sight are asked, then those are kept that are connected with one of
+// the chessboard's.
+TEST(NodesForFrame, a_third_node_is_there_for_what_is_connected_with_half_of_the_lines) {
+  Random random(3);
+  int compared = 0, lacking = 0, beside = 0;
+  for (int scene = 0; scene < 12; ++scene) {
+    const Hall hall = random_hall(random, 8);
+    std::vector<glm::dvec3> eyes;
+    for (int i = 0; i < 8; ++i) eyes.push_back(hall.free_place(random));
+    const EnvironmentNodes nodes = nodes_in(hall, eyes);
+    for (int f = 0; f < 8; ++f) {
+      const Camera frame = random_frame(hall, random);
+      const std::vector<std::size_t> order = nodes_for_eye(nodes, frame.position());
+      const std::vector<SeenPlace> all = places_in_view(nodes, frame, order, 2);
+      const auto lacks = [&](int column, int row) {
+        const std::uint32_t held = all[FrameParts::number(column, row)].held;
+        return held != 0 && (held & 3) == 0;
+      };
+      FrameParts reached;
+      for (bool grows = true; grows;) {
+        grows = false;
+        for (int row = 0; row < kViewRows; ++row)
+          for (int column = 0; column < kViewColumns; ++column) {
+            if (!lacks(column, row) || reached.holds(column, row)) continue;
+            bool found = (column + row) % 2 == 0;
+            for (int y = std::max(row - 1, 0); y <= std::min(row + 1, kViewRows - 1); ++y)
+              for (int x = std::max(column - 1, 0); x <= std::min(column + 1, kViewColumns - 1);
+                   ++x)
+                found = found || reached.holds(x, y);
+            if (found) grows = true, reached.marked.set(FrameParts::number(column, row));
+          }
+      }
+      const FrameNodes chosen = nodes_for_frame(nodes, frame, 2, true);
+      if (chosen.drawn != 3) continue;
+      ++compared;
+      const auto k = std::find(order.begin(), order.end(), chosen.order[2]) - order.begin();
+      int in_half = 0;
+      FrameParts from_all, from_half;
+      for (std::size_t i = 0; i < all.size(); ++i) {
+        const bool fills = (all[i].held & 3) == 0 && (all[i].held >> k & 1) != 0;
+        from_all.marked[i] = fills, from_half.marked[i] = fills && reached.marked[i];
+        lacking += fills, beside += fills && !reached.marked[i];
+        in_half += fills && reached.marked[i];
+      }
+      // Where few are found, all are asked.
+      EXPECT_TRUE(chosen.filled.marked == from_half.marked ||
+                  (in_half < 16 && chosen.filled.marked == from_all.marked));
+    }
+  }
+  EXPECT_GT(compared, 10);
+  EXPECT_GT(lacking, 500);
+  // Specks of a line of sight.
+  EXPECT_LT(beside, lacking / 20);
+}
+
 }  // namespace
 }  // namespace rilievo

@@ -170,7 +170,16 @@ void NodeLayer::fill_edge_samples(const EdgePixels& pixels, const EdgePixels& wa
     const int right = std::min(width_, edges.x1), bottom = std::min(near.high, high - 1);
     for (int top = std::max(near.low, low) / kBlock * kBlock; top <= bottom; top += kBlock)
       for (int left = std::max(0, edges.x0) / kBlock * kBlock; left < right; left += kBlock) {
-        std::uint64_t word = wanted.word(left, top);
+        // Of the block, what the triangle's bounds reach.
+        const auto bits = [](int from, int to) {
+          return (2u << std::min(to, kBlock - 1)) - (1u << std::max(from, 0));
+        };
+        const std::uint64_t columns = bits(edges.x0 - left, edges.x1 - 1 - left),
+                            from_row = std::uint64_t(std::max(near.low - top, 0)),
+                            to_row = std::uint64_t(std::min(near.high - top, kBlock - 1));
+        std::uint64_t word = wanted.word(left, top) & columns * 0x0101010101010101u &
+                             ~std::uint64_t(0) << kBlock * from_row &
+                             ~std::uint64_t(0) >> kBlock * (kBlock - 1 - to_row);
         if (word == 0 || !reaches(left, top)) continue;
         // At the block's upper left pixel, and the most anywhere in it.
         std::int64_t block[3];
@@ -228,29 +237,39 @@ void NodeLayer::begin_edge_skins(const EdgePixels& gaps) {
   find_near_edges(gaps, Part::doubtful);
 }
 
-void find_edge_samples(std::span<NodeLayer> layers, int height, EdgePixels& edges,
-                       EdgePixels& gaps) {
+namespace {
+
+// Calls visit(layer) for each, and then visits all rows of the pixels `wanted`.
+template <class Visit>
+void fill_pixels(std::span<NodeLayer> layers, int height, const EdgePixels& edges,
+                 const EdgePixels& wanted, const Visit& visit) {
   constexpr int kBand = 4 * EdgePixels::kBlock;
   const int bands = (height + kBand - 1) / kBand, count = int(layers.size());
-  const auto each = [&](const auto& visit) {
-    parallel_for(0, count, [&](int k) { visit(layers[std::size_t(k)]); });
-  };
-  const auto fill = [&](const EdgePixels& wanted) {
-    parallel_for(0, bands * count, [&](int piece) {
-      const int low = piece / count * kBand;
-      layers[std::size_t(piece % count)].fill_edge_samples(edges, wanted, low,
-                                                           std::min(low + kBand, height));
-    });
-  };
-  each([&](NodeLayer& layer) { layer.mark_silhouettes(edges); });
+  parallel_for(0, count, [&](int k) { visit(layers[std::size_t(k)]); });
+  parallel_for(0, bands * count, [&](int piece) {
+    const int low = piece / count * kBand;
+    layers[std::size_t(piece % count)].fill_edge_samples(edges, wanted, low,
+                                                         std::min(low + kBand, height));
+  });
+}
+
+}  // namespace
+
+void find_edge_surfaces(std::span<NodeLayer> layers, int height, EdgePixels& edges,
+                        EdgePixels& gaps) {
+  parallel_for(0, int(layers.size()),
+               [&](int k) { layers[std::size_t(k)].mark_silhouettes(edges); });
   edges.number();
-  each([&](NodeLayer& layer) { layer.begin_edge_surfaces(edges); });
-  fill(edges);
+  fill_pixels(layers, height, edges, edges,
+              [&](NodeLayer& layer) { layer.begin_edge_surfaces(edges); });
   edges.for_each([&](int x, int y, std::uint32_t pixel) {
     if (has_gap(layers, pixel)) gaps.mark(x, y);
   });
-  each([&](NodeLayer& layer) { layer.begin_edge_skins(gaps); });
-  fill(gaps);
+}
+
+void find_edge_skins(std::span<NodeLayer> layers, int height, const EdgePixels& edges,
+                     const EdgePixels& gaps) {
+  fill_pixels(layers, height, edges, gaps, [&](NodeLayer& layer) { layer.begin_edge_skins(gaps); });
 }
 
 }  // namespace rilievo

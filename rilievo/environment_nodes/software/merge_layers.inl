@@ -16,14 +16,47 @@ struct Candidates {
   VF nearest;  // 1 / eye_z; 0: nothing
 };
 
+// Where directions meet a cube's faces: u to the right and v downwards, each from 0 to 1.
+struct FacePoints {
+  VI face;
+  VF u, v;
+};
+
+// As face_axes() has them: what lies to the right and above on the faces of each axis is
+//
+//     +x -z, -y    +y x,  z    +z  x, -y
+//     -x  z, -y    -y x, -z    -z -x, -y
+HWY_INLINE FacePoints find_face_points(const Directions& d) {
+  const F f;
+  const I i32;
+  const VF ax = hn::Abs(d.x), ay = hn::Abs(d.y), az = hn::Abs(d.z);
+  const MF is_x = hn::And(hn::Ge(ax, ay), hn::Ge(ax, az));
+  const MF is_y = hn::AndNot(is_x, hn::Ge(ay, az));
+  const auto by_axis = [&](VF x, VF y, VF z) {
+    return hn::IfThenElse(is_x, x, hn::IfThenElse(is_y, y, z));
+  };
+  const VF depth = by_axis(ax, ay, az);
+  const MF back = hn::Lt(by_axis(d.x, d.y, d.z), hn::Zero(f));
+  const auto turned = [&](VF value) { return hn::IfThenElse(back, hn::Neg(value), value); };
+  const VF right = by_axis(turned(hn::Neg(d.z)), d.x, turned(d.x));
+  const VF down = by_axis(d.y, turned(hn::Neg(d.z)), d.y);
+  const VF half = hn::Set(f, 0.5f);
+  const VI axis =
+      hn::IfThenElse(hn::RebindMask(i32, is_x), hn::Zero(i32),
+                     hn::IfThenElse(hn::RebindMask(i32, is_y), hn::Set(i32, 2), hn::Set(i32, 4)));
+  const VI side = hn::IfThenElseZero(hn::RebindMask(i32, back), hn::Set(i32, 1));
+  return {hn::Add(axis, side), hn::Add(half, hn::Div(hn::Mul(half, right), depth)),
+          hn::Add(half, hn::Div(hn::Mul(half, down), depth))};
+}
+
 // What node `k` leaves of what lies at points of the frame's eye space: see gl/node_shaders.cpp.
-HWY_INLINE VF find_share(const PlacedNodes& placed, std::size_t k, VF x, VF y, VF z, MF wanted) {
+HWY_INLINE VF find_share(const PlacedNodes& placed, std::size_t k, VF x, VF y, VF z) {
   const F f;
   const I i32;
   const VF zero = hn::Zero(f), one = hn::Set(f, 1.0f);
   const Directions seen = seen_by(placed, k, x, y, z);
   const VF ahead = ahead_of(seen);
-  const FacePoints at = find_face_points(seen, wanted);
+  const FacePoints at = find_face_points(seen);
   const SoftwareNode& node = *placed.layers[k].drawn(0).node;
   const int size = node.mesh.face_size;
   const VF scale = hn::Set(f, float(size)), half = hn::Set(f, 0.5f),
@@ -71,8 +104,7 @@ HWY_INLINE void settle(const PlacedNodes& placed, const MF (&surface)[kMaxDrawnN
         hn::And(hn::And(wanted, hn::Gt(out.z[k], sky)), hn::Ge(hn::Mul(out.z[k], reach), accepted));
     for (std::size_t j = 0; j < placed.count; ++j) {
       if (k == 0 || j == k || hn::AllFalse(f, near)) continue;
-      const VF share =
-          find_share(placed, j, hn::Mul(x, ahead), hn::Mul(y, ahead), hn::Neg(ahead), near);
+      const VF share = find_share(placed, j, hn::Mul(x, ahead), hn::Mul(y, ahead), hn::Neg(ahead));
       out.share[k] = hn::IfThenElse(near, hn::Min(out.share[k], share), out.share[k]);
       near = hn::And(near, hn::Gt(out.share[k], zero));
     }

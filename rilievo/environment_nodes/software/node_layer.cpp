@@ -15,6 +15,7 @@
 
 #include "rilievo/core/expects.h"
 #include "rilievo/core/parallel_for.h"
+#include "rilievo/environment_nodes/cube_grid.h"
 
 namespace rilievo {
 namespace {
@@ -46,6 +47,10 @@ double inside(const ClipCorner& c, int plane, double nearest, const glm::dvec2& 
 
 // [Sutherland and Hodgman 1974]; returns the number of corners.
 int cut(ClipCorner (&polygon)[9], double nearest, const glm::dvec2& size) {
+  bool whole = true;
+  for (int plane = 0; plane < 5; ++plane)
+    for (int k = 0; k < 3; ++k) whole = whole && inside(polygon[k], plane, nearest, size) >= 0;
+  if (whole) return 3;  // as nearly all are
   int count = 3;
   for (int plane = 0; plane < 5 && count >= 3; ++plane) {
     ClipCorner out[9];
@@ -85,17 +90,14 @@ bool touches(const FrameBlocks& blocks, std::span<const ClipCorner> corners,
 
 }  // namespace
 
-void NodeLayer::place(const Camera& frame, int samples, std::span<const DrawnNode> nodes,
-                      bool merged, const FrameBlocks* only) {
+void NodeLayer::begin(const Camera& frame, int samples, std::span<const DrawnNode> nodes) {
   RILIEVO_EXPECTS(frame.projection == Projection::perspective);
-  RILIEVO_EXPECTS(!merged || samples == 1);
-  width_ = frame.width, height_ = frame.height, samples_ = samples, merged_ = merged;
-  only_ = only;
+  width_ = frame.width, height_ = frame.height, samples_ = samples;
   nearest_ = kNearShare * frame.z_near;
   nodes_.clear();
   for (Soup* soup : {&surfaces_, &skins_, &doubtful_}) {
     soup->positions.clear(), soup->indices.clear(), soup->node.clear(), soup->triangle.clear();
-    soup->instances.clear();
+    soup->face.clear(), soup->instances.clear();
   }
   for (const DrawnNode& drawn : nodes) {
     const glm::dmat4 clip = glm::transpose(clip_from_node(drawn.node->mesh, frame));
@@ -105,26 +107,51 @@ void NodeLayer::place(const Camera& frame, int samples, std::span<const DrawnNod
                       glm::distance(frame.position(), drawn.node->eye())});
   }
   corners_.clear();
-  // Of equal depths OpenGL shows the last, the rasteriser the first.
-  for (std::size_t i = nodes_.size(); i-- > 0;) {
-    Placed& placed = nodes_[i];
-    const SoftwareNode& node = *placed.drawn.node;
+  for (Placed& placed : nodes_) {
     placed.first_corner = corners_.size();
-    for (const NodeVertex& v : node.mesh.vertices) {
+    for (const NodeVertex& v : placed.drawn.node->mesh.vertices) {
       const glm::dvec4 p(v.direction, v.disparity);
       corners_.emplace_back(glm::dot(placed.row_x, p), glm::dot(placed.row_y, p),
                             glm::dot(placed.row_w, p));
     }
-    add(std::uint32_t(i), Part::surfaces, surfaces_);
-    add(std::uint32_t(i), Part::skins, skins_);
-    add(std::uint32_t(i), Part::doubtful, doubtful_);
   }
+}
+
+void NodeLayer::place(const Camera& frame, int samples, std::span<const DrawnNode> nodes) {
+  begin(frame, samples, nodes);
+  only_ = nullptr;
+  add(Part::surfaces, surfaces_, nullptr);
+  add(Part::skins, skins_, nullptr);
+  add(Part::doubtful, doubtful_, nullptr);
   for (Soup* soup : {&surfaces_, &skins_}) rasterize(*soup, width_, height_, samples_);
-  rasterize_doubtful();
+  rasterize_doubtful(nullptr);
   find_triangles();
 }
 
-void NodeLayer::add(std::uint32_t node, Part part, Soup& soup) {
+void NodeLayer::place_surfaces(const Camera& frame, std::span<const DrawnNode> nodes,
+                               const FrameBlocks* only) {
+  begin(frame, 1, nodes);
+  only_ = only;
+  add(Part::surfaces, surfaces_, only);
+  rasterize(surfaces_, width_, height_, 1);
+}
+
+void NodeLayer::place_skins(const FrameBlocks& gaps) {
+  if (gaps.share() > 0) {
+    add(Part::skins, skins_, &gaps);
+    add(Part::doubtful, doubtful_, &gaps);
+    rasterize(skins_, width_, height_, 1);
+    rasterize_doubtful(&gaps);
+  }
+  find_triangles();
+}
+
+// Of equal depths OpenGL shows the last, the rasteriser the first.
+void NodeLayer::add(Part part, Soup& soup, const FrameBlocks* only) {
+  for (std::size_t i = nodes_.size(); i-- > 0;) add(std::uint32_t(i), part, soup, only);
+}
+
+void NodeLayer::add(std::uint32_t node, Part part, Soup& soup, const FrameBlocks* only) {
   const NodeMesh& mesh = nodes_[node].drawn.node->mesh;
   const std::array<bool, 6>& visible = nodes_[node].visible;
   const glm::dvec3* const corners = &corners_[nodes_[node].first_corner];
@@ -150,7 +177,7 @@ void NodeLayer::add(std::uint32_t node, Part part, Soup& soup) {
       }
       if (outside) continue;
       const int count = cut(polygon, nearest_, size);
-      if (only_ && !touches(*only_, {polygon, std::size_t(std::max(count, 0))}, size)) continue;
+      if (only && !touches(*only, {polygon, std::size_t(std::max(count, 0))}, size)) continue;
       if (part != Part::surfaces &&
           narrowness(nodes_[node], t, {polygon, std::size_t(std::max(count, 0))}) !=
               (part == Part::skins ? 2 : 1))
@@ -167,6 +194,7 @@ void NodeLayer::add(std::uint32_t node, Part part, Soup& soup) {
                             {first, first + std::uint32_t(k) - 1, first + std::uint32_t(k)});
         soup.node.push_back(node);
         soup.triangle.push_back(t);
+        soup.face.push_back(std::uint8_t(f));
       }
     }
   }
@@ -185,7 +213,7 @@ void NodeLayer::rasterize(Soup& soup, int width, int height, int samples) {
 }
 
 // One triangle after the other, by bands of rows.
-void NodeLayer::rasterize_doubtful() {
+void NodeLayer::rasterize_doubtful(const FrameBlocks* gaps) {
   const Soup& soup = doubtful_;
   if (soup.triangle.empty()) return;
   doubtful_seen_.begin(width_, height_, samples_);
@@ -197,7 +225,6 @@ void NodeLayer::rasterize_doubtful() {
                                skin_width(nodes_[soup.node[t]], soup.triangle[t])});
   }
   const std::span<const DoubtfulSkin> skins(doubtful_edges_);
-  const bool hides_skins = merged_ && !surfaces_.triangle.empty();
   constexpr int kBand = 16;
   parallel_for(0, (height_ + kBand - 1) / kBand, [&](int band) {
     const int low = band * kBand, high = std::min(low + kBand, height_);
@@ -208,7 +235,10 @@ void NodeLayer::rasterize_doubtful() {
         int x0 = std::max(0, triangle.x0), x1 = std::min(width_, triangle.x1);
         triangle.narrow_row(y, x0, x1);
         for (int x = x0; x < x1; ++x) {
-          if (hides_skins && surfaces_.raster.seen().depths(y)[x] < 1) continue;
+          if (gaps && !gaps->holds(x, height_ - 1 - y)) {
+            x |= FrameBlocks::kBlock - 1;
+            continue;
+          }
           bool asked = false, narrow = false;
           for (int s = 0; s < samples_; ++s) {
             const glm::vec2 at = glm::vec2(x, y) + sample_position(s, samples_);
@@ -254,20 +284,28 @@ NodeTriangle NodeLayer::triangle_of(const Soup& soup, std::size_t triangle) cons
   const glm::dvec3 corner(soup.positions[soup.indices[3 * triangle]]);
   const glm::dvec2 from(std::clamp(std::floor(corner.x), 0.0, double(width_)) + 0.5,
                         std::clamp(std::floor(corner.y), 0.0, double(height_)) + 0.5);
+  // The face's coordinates of a direction, as affine ones: texels, and a border of one.
+  const FaceAxes& axes = face_axes()[soup.face[triangle]];
+  const double half = 0.5 * mesh.face_size, middle = half + 0.5;
+  const glm::dvec3 forward(axes.forward), right = half * glm::dvec3(axes.right) + middle * forward,
+                                          down = middle * forward - half * glm::dvec3(axes.up);
   double length = 0;
   for (int k = 0; k < 3; ++k) {
-    const glm::dvec3 texture(
+    const glm::dvec3 direction(
         mesh.vertices[mesh.indices[3 * std::size_t(number) + std::size_t(k)]].texture);
+    const glm::dvec3 texture(glm::dot(right, direction), glm::dot(down, direction),
+                             glm::dot(forward, direction));
     at += glm::dot(w.of[k], glm::dvec3(from, 1)) * texture;
     per_x += w.of[k].x * texture, per_y += w.of[k].y * texture;
     length += std::abs(w.of[k].x) + std::abs(w.of[k].y) + std::abs(w.of[k].z);
   }
-  // Nothing underflows; the length of a direction does not matter.
+  // Nothing underflows; the length does not matter.
   const double scale = length > 0 ? 1 / length : 0;
   NodeTriangle out;
   out.at = glm::vec3(scale * at);
   out.per_x = glm::vec3(scale * per_x), out.per_y = glm::vec3(-scale * per_y);
   out.x = float(from.x), out.y = float(height_ - from.y);
+  out.face = soup.face[triangle];
   out.node = soup.node[triangle];
   return out;
 }

@@ -30,28 +30,34 @@ struct DrawnNode {
 };
 
 // A triangle in the frame, or what the near plane leaves of it. At pixel (px, py), y downwards, it
-// has the colour that lies in the direction, in node space and of any length,
+// has the colour at (u / w, v / w) of its face, in texels from the middle of the corner texel of
+// the face's border:
 //
-//   at + (px - x) per_x + (py - y) per_y
+//   (u, v, w) = at + (px - x) per_x + (py - y) per_y
 struct alignas(64) NodeTriangle {
   glm::vec3 at{0.0f}, per_x{0.0f}, per_y{0.0f};
   float x = 0, y = 0;
+  std::uint32_t face = 0;
   std::uint32_t node = 0;  // of the drawn ones
 };
 
 // Nodes in one z-buffer.
 class NodeLayer {
  public:
-  // Requires a perspective camera; one sample a pixel if it is merged with other layers. Of such a
-  // layer skins lie behind all surfaces, and those that are drawn in part are left out there.
-  // With `only`, which must outlive what is drawn, nothing elsewhere.
-  void place(const Camera& frame, int samples, std::span<const DrawnNode> nodes,
-             bool merged = false, const FrameBlocks* only = nullptr);
+  // Requires a perspective camera.
+  void place(const Camera& frame, int samples, std::span<const DrawnNode> nodes);
+  // A layer that is merged with others has one sample a pixel, and its skins are asked for only
+  // where no layer shows a surface. So surfaces are placed first, of all layers, then skins, where
+  // they touch the blocks `gaps`. With `only`, which must outlive what is drawn, nothing elsewhere.
+  void place_surfaces(const Camera& frame, std::span<const DrawnNode> nodes,
+                      const FrameBlocks* only = nullptr);
+  void place_skins(const FrameBlocks& gaps);
   // Is the block of a pixel, y downwards, among those that it is drawn in?
   [[nodiscard]] bool reaches(int x, int y) const { return !only_ || only_->holds(x, y); }
-  // Does a pixel, y downwards, show a surface? Of a layer of one sample a pixel.
-  [[nodiscard]] bool shows_surface(int x, int y) const {
-    return !surfaces_.triangle.empty() && surfaces_.raster.seen().depths(height_ - 1 - y)[x] < 1;
+  // The depths of surfaces in a row of pixels, y downwards: 1 for nothing; null if no pixel of the
+  // frame shows any. Of a layer of one sample a pixel.
+  [[nodiscard]] const float* surface_depths(int y) const {
+    return surfaces_.triangle.empty() ? nullptr : surfaces_.raster.seen().depths(height_ - 1 - y);
   }
 
   // Marks the pixels that silhouettes of surfaces cross, unless what lies before them hides them.
@@ -120,6 +126,7 @@ class NodeLayer {
     std::vector<glm::vec3> positions;
     std::vector<std::uint32_t> indices;
     std::vector<std::uint32_t> node, triangle;  // of each
+    std::vector<std::uint8_t> face;
     std::vector<RasterInstance> instances;
     SampleRaster raster;
   };
@@ -132,9 +139,12 @@ class NodeLayer {
   [[nodiscard]] int narrowness(const Placed& placed, std::uint32_t triangle,
                                std::span<const ClipCorner> corners) const;
   enum class Part : std::uint8_t { surfaces, skins, doubtful };
-  void add(std::uint32_t node, Part part, Soup& soup);
+  void begin(const Camera& frame, int samples, std::span<const DrawnNode> nodes);
+  // Of all nodes what touches the blocks, if not null.
+  void add(Part part, Soup& soup, const FrameBlocks* only);
+  void add(std::uint32_t node, Part part, Soup& soup, const FrameBlocks* only);
   static void rasterize(Soup& soup, int width, int height, int samples);
-  void rasterize_doubtful();
+  void rasterize_doubtful(const FrameBlocks* gaps);
   void mark_edge(const Placed& placed, const MeshEdge& edge, EdgePixels& pixels) const;
   [[nodiscard]] bool shows_edge(int x, int y, float nearness) const;
   void find_near_edges(const EdgePixels& pixels, Part part);
@@ -150,7 +160,6 @@ class NodeLayer {
   void find_triangles();
 
   int width_ = 0, height_ = 0, samples_ = 1;
-  bool merged_ = false;
   const FrameBlocks* only_ = nullptr;  // null: everywhere
   double nearest_ = 1;                 // eye_z of the plane at which triangles are cut
   std::vector<Placed> nodes_;
@@ -170,9 +179,12 @@ class NodeLayer {
   std::vector<std::uint32_t> edge_triangle_;
 };
 
-// Marks the silhouettes of layers of one frame, and finds what samples of the marked pixels show,
-// skins only where no layer has a surface: in `gaps`. Both begin with nothing marked.
-void find_edge_samples(std::span<NodeLayer> layers, int height, EdgePixels& edges,
-                       EdgePixels& gaps);
+// Marks the silhouettes of layers of one frame, and finds what samples of the marked pixels show of
+// surfaces; then, once skins are placed, of skins where no layer has a surface: in `gaps`. Both
+// begin with nothing marked.
+void find_edge_surfaces(std::span<NodeLayer> layers, int height, EdgePixels& edges,
+                        EdgePixels& gaps);
+void find_edge_skins(std::span<NodeLayer> layers, int height, const EdgePixels& edges,
+                     const EdgePixels& gaps);
 
 }  // namespace rilievo

@@ -9,16 +9,26 @@ HWY_INLINE VI index_of(VU triangle, MF wanted) {
   return hn::BitCast(I(), hn::Mul(of, hn::Set(u32, kWords)));
 }
 
-// Directions in node space.
-struct Directions {
-  VF x, y, z;
+// Between 0 and `most`; 0 for what is no number.
+HWY_INLINE VF limited(VF value, VF most) {
+  const F f;
+  value = hn::IfThenElseZero(hn::Gt(value, hn::Zero(f)), value);
+  return hn::Min(value, most);
+}
+
+// Places in a cube's faces: in texels to the right and downwards, from the middle of the corner
+// texel of a face's border.
+struct TexelPoints {
+  VI face;
+  VF u, v;
 };
 
 // Where triangles have their colours at pixels' centres.
-HWY_INLINE Directions find_directions(const NodeTriangle* triangles, VU number, MF wanted, VF x,
-                                      VF y) {
+HWY_INLINE TexelPoints find_points(const NodeLayer& layer, VU number, MF wanted, VF x, VF y) {
   const F f;
+  const I i32;
   const U u32;
+  const NodeTriangle* const triangles = layer.triangles().data();
   const auto along = [&](VF at, VF per_x, VF per_y, VF dx, VF dy) {
     return hn::Add(at, hn::Add(hn::Mul(dx, per_x), hn::Mul(dy, per_y)));
   };
@@ -29,61 +39,19 @@ HWY_INLINE Directions find_directions(const NodeTriangle* triangles, VU number, 
     const auto axis = [&](int k) {
       return along(hn::Set(f, t.at[k]), hn::Set(f, t.per_x[k]), hn::Set(f, t.per_y[k]), dx, dy);
     };
-    return {axis(0), axis(1), axis(2)};
+    const VF w = axis(2);
+    return {hn::Set(i32, std::int32_t(t.face)), hn::Div(axis(0), w), hn::Div(axis(1), w)};
   }
   const VI index = index_of(number, wanted);
-  // As a NodeTriangle has them: at, per_x, per_y, x, y.
-  static_assert(offsetof(NodeTriangle, y) == 10 * sizeof(float));
+  // As a NodeTriangle has them: at, per_x, per_y, x, y, face.
+  static_assert(offsetof(NodeTriangle, face) == 11 * sizeof(float));
   const float* first = &triangles[0].at.x;
   VF of[3][4];
-  for (int k = 0; k < 3; ++k) load_four(f, first + 4 * k, I(), index, of[k]);
+  for (int k = 0; k < 3; ++k) load_four(f, first + 4 * k, i32, index, of[k]);
   const VF dx = hn::Sub(x, of[2][1]), dy = hn::Sub(y, of[2][2]);
-  return {along(of[0][0], of[0][3], of[1][2], dx, dy), along(of[0][1], of[1][0], of[1][3], dx, dy),
-          along(of[0][2], of[1][1], of[2][0], dx, dy)};
-}
-
-// Where directions meet a cube's faces: u to the right and v downwards, each from 0 to 1.
-struct FacePoints {
-  VI face;
-  VF u, v;
-};
-
-HWY_INLINE FacePoints find_face_points(const Directions& d, MF wanted) {
-  const F f;
-  const I i32;
-  const VF ax = hn::Abs(d.x), ay = hn::Abs(d.y), az = hn::Abs(d.z), zero = hn::Zero(f);
-  const MF is_x = hn::And(hn::Ge(ax, ay), hn::Ge(ax, az));
-  const MF is_y = hn::AndNot(is_x, hn::Ge(ay, az));
-  const VF depth = hn::IfThenElse(is_x, ax, hn::IfThenElse(is_y, ay, az));
-  FacePoints points{hn::Zero(i32), zero, zero};
-  VF right = zero, up = zero;
-  for (int face = 0; face < 6; ++face) {
-    const int axis = face / 2;
-    const MF on_axis = axis == 0 ? is_x : axis == 1 ? is_y : hn::Not(hn::Or(is_x, is_y));
-    const VF along = axis == 0 ? d.x : axis == 1 ? d.y : d.z;
-    const MF on_face = hn::And(on_axis, face % 2 ? hn::Lt(along, zero) : hn::Ge(along, zero));
-    if (hn::AllFalse(f, hn::And(on_face, wanted))) continue;
-    const FaceAxes& axes = face_axes()[std::size_t(face)];
-    const auto part = [&](const glm::ivec3& of) {
-      return hn::Add(
-          hn::Add(hn::Mul(hn::Set(f, float(of.x)), d.x), hn::Mul(hn::Set(f, float(of.y)), d.y)),
-          hn::Mul(hn::Set(f, float(of.z)), d.z));
-    };
-    right = hn::IfThenElse(on_face, part(axes.right), right);
-    up = hn::IfThenElse(on_face, part(axes.up), up);
-    points.face = hn::IfThenElse(hn::RebindMask(i32, on_face), hn::Set(i32, face), points.face);
-  }
-  const VF half = hn::Set(f, 0.5f);
-  points.u = hn::Add(half, hn::Div(hn::Mul(half, right), depth));
-  points.v = hn::Sub(half, hn::Div(hn::Mul(half, up), depth));
-  return points;
-}
-
-// Between 0 and `most`; 0 for what is no number.
-HWY_INLINE VF limited(VF value, VF most) {
-  const F f;
-  value = hn::IfThenElseZero(hn::Gt(value, hn::Zero(f)), value);
-  return hn::Min(value, most);
+  const VF w = along(of[0][2], of[1][1], of[2][0], dx, dy);
+  return {hn::BitCast(i32, of[2][3]), hn::Div(along(of[0][0], of[0][3], of[1][2], dx, dy), w),
+          hn::Div(along(of[0][1], of[1][0], of[1][3], dx, dy), w)};
 }
 
 // sRGB-encoded, 0 to 255, and the texels' weight, likewise; the least of the four is 0 beside
@@ -94,17 +62,15 @@ struct Colors {
 
 // The colours of a node between four texels; their weight if it is asked for.
 template <bool with_weight>
-HWY_INLINE Colors find_colors(const SoftwareNode& node, const FacePoints& at) {
+HWY_INLINE Colors find_colors(const SoftwareNode& node, const TexelPoints& at) {
   const F f;
   const I i32;
   const U u32;
   const int wide = node.wide();
-  const VF size = hn::Set(f, float(node.mesh.face_size)), half = hn::Set(f, 0.5f),
-           one = hn::Set(f, 1.0f);
-  const VF u = hn::Add(hn::Mul(at.u, size), half), v = hn::Add(hn::Mul(at.v, size), half);
-  const VI x = hn::ConvertTo(i32, limited(u, size)), y = hn::ConvertTo(i32, limited(v, size));
-  const VF fx = limited(hn::Sub(u, hn::ConvertTo(f, x)), one),
-           fy = limited(hn::Sub(v, hn::ConvertTo(f, y)), one);
+  const VF size = hn::Set(f, float(node.mesh.face_size)), one = hn::Set(f, 1.0f);
+  const VI x = hn::ConvertTo(i32, limited(at.u, size)), y = hn::ConvertTo(i32, limited(at.v, size));
+  const VF fx = limited(hn::Sub(at.u, hn::ConvertTo(f, x)), one),
+           fy = limited(hn::Sub(at.v, hn::ConvertTo(f, y)), one);
   const VI row = hn::Add(hn::Mul(at.face, hn::Set(i32, wide)), y);
   const VI index = hn::Add(hn::Mul(row, hn::Set(i32, wide)), x);
   const std::uint32_t* texels = node.color.data();
@@ -131,14 +97,14 @@ HWY_INLINE Colors find_colors(const SoftwareNode& node, const FacePoints& at) {
 }
 
 // The identifiers of a node's nearest texels.
-HWY_INLINE VU find_objects(const SoftwareNode& node, const FacePoints& at) {
+HWY_INLINE VU find_objects(const SoftwareNode& node, const TexelPoints& at) {
   const F f;
   const I i32;
   const U u32;
   const int size = node.mesh.face_size;
-  const VF scale = hn::Set(f, float(size)), most = hn::Set(f, float(size - 1));
-  const auto texel = [&](VF share) {
-    return hn::ConvertTo(i32, limited(hn::Mul(share, scale), most));
+  const VF half = hn::Set(f, 0.5f), most = hn::Set(f, float(size - 1));
+  const auto texel = [&](VF place) {
+    return hn::ConvertTo(i32, limited(hn::Sub(place, half), most));
   };
   const VI row = hn::Add(hn::Mul(at.face, hn::Set(i32, size)), texel(at.v));
   return hn::GatherIndex(u32, node.object.data(),
@@ -161,12 +127,10 @@ HWY_INLINE void for_nodes(const NodeLayer& layer, VU triangle, MF wanted, const 
   }
 }
 
-// The colours of the wanted lanes' triangles, at least one, at pixels' centres.
+// The colours of the wanted lanes' triangles, at least one.
 template <bool with_weight = false>
-HWY_INLINE Colors shade(const NodeLayer& layer, VU triangle, MF wanted, VF x, VF y) {
+HWY_INLINE Colors shade(const NodeLayer& layer, VU triangle, MF wanted, const TexelPoints& points) {
   const F f;
-  const Directions directions = find_directions(layer.triangles().data(), triangle, wanted, x, y);
-  const FacePoints points = find_face_points(directions, wanted);
   Colors colors{hn::Zero(f), hn::Zero(f), hn::Zero(f), hn::Zero(f), hn::Zero(f)};
   for_nodes(layer, triangle, wanted, [&](const SoftwareNode& node, MF its) {
     const Colors found = find_colors<with_weight>(node, points);
@@ -195,12 +159,10 @@ HWY_INLINE VU bytes_of(const Colors& colors) {
 
 // What a tile holds of the wanted lanes' triangles.
 HWY_INLINE VU find_content(const PlacedNodes& placed, const NodeLayer& layer, TileContent of,
-                           VU triangle, MF wanted, VF x, VF y) {
+                           VU triangle, MF wanted, const TexelPoints& points) {
   const U u32;
-  if (of == TileContent::color) return bytes_of(shade(layer, triangle, wanted, x, y));
+  if (of == TileContent::color) return bytes_of(shade(layer, triangle, wanted, points));
   if (placed.object != kNoObject) return hn::Set(u32, placed.object);
-  const FacePoints points =
-      find_face_points(find_directions(layer.triangles().data(), triangle, wanted, x, y), wanted);
   VU content = hn::Set(u32, 1u);
   for_nodes(layer, triangle, wanted, [&](const SoftwareNode& node, MF its) {
     if (!node.object.empty())

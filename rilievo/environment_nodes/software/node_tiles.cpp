@@ -20,6 +20,31 @@ constexpr float kAnyWidth = 1e30f;
 // Around what the last node is there for, and around gaps of the others, it is drawn, too: blocks.
 constexpr int kAroundGaps = 1;
 
+// Marks the blocks in which a pixel shows no layer's surface, and so many around them.
+void mark_gaps(std::span<const NodeLayer> layers, const Camera& frame, int around,
+               std::vector<float>& deepest, FrameBlocks& blocks) {
+  constexpr int kBlock = FrameBlocks::kBlock;
+  const auto width = std::size_t(frame.width);
+  deepest.resize(2 * width);
+  // Of a row of blocks, the deepest of each column's pixels, of which the nearest layer counts.
+  float *const most = deepest.data(), *const nearest = most + width;
+  for (int row = 0; row < blocks.rows(); ++row) {
+    std::fill_n(most, width, 0.0f);
+    for (int y = row * kBlock; y < std::min((row + 1) * kBlock, frame.height); ++y) {
+      std::fill_n(nearest, width, 1.0f);
+      for (const NodeLayer& layer : layers)
+        if (const float* const depths = layer.surface_depths(y))
+          for (std::size_t x = 0; x < width; ++x) nearest[x] = std::min(nearest[x], depths[x]);
+      for (std::size_t x = 0; x < width; ++x) most[x] = std::max(most[x], nearest[x]);
+    }
+    for (int column = 0; column < blocks.columns(); ++column) {
+      const int first = column * kBlock, last = std::min(first + kBlock, frame.width);
+      if (*std::max_element(most + first, most + last) < 1) continue;
+      blocks.mark(column - around, row - around, column + around, row + around);
+    }
+  }
+}
+
 // Where is the last layer drawn, number `last`? In the marked parts of the frame and those beside
 // them, and around gaps of the layers before it.
 void find_blocks_of_last(PlacedNodes& placed, std::size_t last, const Camera& frame,
@@ -39,17 +64,26 @@ void find_blocks_of_last(PlacedNodes& placed, std::size_t last, const Camera& fr
                   block(column + 2, FrameParts::kColumns, frame.width),
                   block(top + 2, FrameParts::kRows, frame.height));
     }
-  const auto is_gap = [&](int x, int y) {
-    for (std::size_t k = 0; k < last; ++k)
-      if (placed.layers[k].shows_surface(x, y)) return false;
-    return true;
-  };
-  for (int y = 0; y < frame.height; ++y)
-    for (int x = 0; x < frame.width; ++x)
-      if (is_gap(x, y))
-        blocks.mark(x / kBlock - kAroundGaps, y / kBlock - kAroundGaps, x / kBlock + kAroundGaps,
-                    y / kBlock + kAroundGaps);
+  mark_gaps({placed.layers.data(), last}, frame, kAroundGaps, placed.deepest, blocks);
   blocks.finish();
+}
+
+// Skins, where no layer shows a surface, and the samples along silhouettes.
+void fill_gaps(PlacedNodes& placed, const Camera& frame) {
+  const std::span<NodeLayer> layers(placed.layers.data(), placed.count);
+  placed.edges.begin(frame.width, frame.height);
+  placed.gaps.begin(frame.width, frame.height);
+  if (placed.antialiased) find_edge_surfaces(layers, frame.height, placed.edges, placed.gaps);
+  FrameBlocks& blocks = placed.skins_in;
+  blocks.begin(frame.width, frame.height);
+  mark_gaps(layers, frame, 0, placed.deepest, blocks);
+  for (int row = 0; row < blocks.rows(); ++row)
+    for (int column = 0; column < blocks.columns(); ++column)
+      if (placed.gaps.word(column * FrameBlocks::kBlock, row * FrameBlocks::kBlock) != 0)
+        blocks.mark(column, row, column, row);
+  blocks.finish();
+  for (NodeLayer& layer : layers) layer.place_skins(blocks);
+  if (placed.antialiased) find_edge_skins(layers, frame.height, placed.edges, placed.gaps);
 }
 
 }  // namespace
@@ -131,22 +165,19 @@ void NodeTiles::draw(const Camera& frame, double scale, std::span<const std::siz
     placed.layers[0].place(frame, output == Output::color ? s.samples : 1, all);
   } else if (options.merge == NodeMerge::first) {
     placed.count = 2;
-    placed.layers[0].place(frame, 1, all.first(1), true);
-    placed.layers[1].place(frame, 1, all.subspan(1), true);
+    placed.layers[0].place_surfaces(frame, all.first(1));
+    placed.layers[1].place_surfaces(frame, all.subspan(1));
   } else {
     placed.count = all.size();
     for (std::size_t i = 0; i < all.size(); ++i) {
       const bool in_part = options.last_in && i > 1 && i + 1 == all.size();
       if (in_part) find_blocks_of_last(placed, i, frame, *options.last_in);
-      placed.layers[i].place(frame, 1, all.subspan(i, 1), true,
-                             in_part ? &placed.last_in : nullptr);
+      placed.layers[i].place_surfaces(frame, all.subspan(i, 1),
+                                      in_part ? &placed.last_in : nullptr);
     }
   }
   placed.antialiased = placed.merged && output == Output::color && s.samples == 4;
-  if (!placed.antialiased) return;
-  placed.edges.begin(frame.width, frame.height);
-  placed.gaps.begin(frame.width, frame.height);
-  find_edge_samples({placed.layers.data(), placed.count}, frame.height, placed.edges, placed.gaps);
+  if (placed.merged) fill_gaps(placed, frame);
 }
 
 void NodeTiles::draw_lines(const Camera& frame, std::span<const glm::dvec3> ends) {

@@ -53,8 +53,8 @@ constexpr float kBeforeFar = 1 + 0x1p-20f;
 HWY_INLINE VU find_unmixed(const PlacedNodes& placed, const NodeLayer& layer, const FrameTile& tile,
                            const LayerPixels& at) {
   if (!placed.unmixes)
-    return find_content(placed, layer, tile.of, at.triangle, at.wanted, at.x, at.y);
-  Colors colors = shade<true>(layer, at.triangle, at.wanted, at.x, at.y);
+    return find_content(placed, layer, tile.of, at.triangle, at.wanted, at.points);
+  Colors colors = shade<true>(layer, at.triangle, at.wanted, at.points);
   const VU object = keep_to_surfaces(placed, layer, tile, 0, at, colors);
   return tile.of == TileContent::color ? bytes_of(colors) : object;
 }
@@ -100,10 +100,13 @@ void draw_over(const PlacedNodes& placed, const NodeLayer& layer, FrameTile& til
       if (!hn::AllFalse(f, hn::And(seen, other))) {
         // A triangle has one depth in a pixel, whichever pixels lie beside it in a vector.
         const VF own = hn::IfThenElse(other, z, hn::Load(f, shown[0].inverse_z + i));
-        content = find_unmixed(placed, layer, tile, {triangle, seen, px, py, own});
+        const TexelPoints points = find_points(layer, triangle, seen, px, py);
+        content = find_unmixed(placed, layer, tile, {triangle, seen, px, py, own, points});
       } else if (!known) {
         const VF own = hn::Load(f, shown[0].inverse_z + i);
-        first_content = content = find_unmixed(placed, layer, tile, {first, of_first, px, py, own});
+        const TexelPoints points = find_points(layer, first, of_first, px, py);
+        first_content = content =
+            find_unmixed(placed, layer, tile, {first, of_first, px, py, own, points});
         known = true;
       }
       put(f, plane, i, seen, z, content);
@@ -134,9 +137,10 @@ HWY_INLINE bool merge_pixels(const PlacedNodes& placed, const FrameTile& tile,
     objects[k] = hn::Zero(u32);
     if (hn::AllFalse(f, wanted)) return;
     const VU triangle = hn::Load(u32, shown[k][0].triangle + i);
-    colors[k] = shade<true>(placed.layers[k], triangle, wanted, px, py);
+    const TexelPoints points = find_points(placed.layers[k], triangle, wanted, px, py);
+    colors[k] = shade<true>(placed.layers[k], triangle, wanted, points);
     objects[k] = keep_to_surfaces(placed, placed.layers[k], tile, k,
-                                  {triangle, wanted, px, py, inverse_z}, colors[k]);
+                                  {triangle, wanted, px, py, inverse_z, points}, colors[k]);
   };
   if (placed.options.merge == NodeMerge::first) {
     merge_first(placed, shown, i, merged);

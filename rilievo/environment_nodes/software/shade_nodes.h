@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include "rilievo/environment_nodes/node_store.h"
 #include "rilievo/environment_nodes/software/node_layer.h"
@@ -34,8 +35,10 @@ struct PlacedNodes {
   // Of merged nodes: do the pixels that silhouettes cross have four samples, and which are they?
   bool antialiased = false;
   EdgePixels edges;
-  EdgePixels gaps;      // of these, where some sample shows no surface
-  FrameBlocks last_in;  // where the last layer is drawn, if not everywhere
+  EdgePixels gaps;             // of these, where some sample shows no surface
+  FrameBlocks last_in;         // where the last layer is drawn, if not everywhere
+  FrameBlocks skins_in;        // where merged nodes have skins
+  std::vector<float> deepest;  // of a row, while gaps are looked for
 };
 
 // Draws them into a tile of the frame in which they were placed. Merged nodes have one sample a

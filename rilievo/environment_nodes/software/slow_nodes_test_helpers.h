@@ -74,18 +74,28 @@ inline SlowTexel nearest_texel(const ShadeNode& node, const glm::dvec3& d) {
 }
 
 // Between four texels; those beyond a face's edge are its neighbours'. Beside silhouettes only
-// between those about as deep as what is shown, `own` being its disparity; NaN: all.
-inline SlowTexel slow_texel(const ShadeNode& node, const glm::dvec3& d, double own,
-                            double tolerance) {
+// between those about as deep as what is shown, `own` being its disparity; NaN: all. A triangle has
+// its colours from its own face, and at pixels' centres that it does not reach not from farther
+// beyond an edge than a texel's middle.
+inline SlowTexel slow_texel(const ShadeNode& node, std::size_t face, const glm::dvec3& d,
+                            double own, double tolerance) {
   const int size = node.mesh.face_size;
-  SlowTexel out = nearest_texel(node, d);
-  const glm::dvec3 a = glm::abs(d);
-  const int axis = a.x >= a.y && a.x >= a.z ? 0 : a.y >= a.z ? 1 : 2;
-  const FaceAxes& axes = face_axes()[std::size_t(2 * axis + (d[axis] < 0))];
-  const double u = (0.5 + 0.5 * glm::dot(d, glm::dvec3(axes.right)) / a[axis]) * size - 0.5,
-               v = (0.5 - 0.5 * glm::dot(d, glm::dvec3(axes.up)) / a[axis]) * size - 0.5;
-  out.color = glm::dvec3(0.0), out.weight = 0;
-  const Image<float>& disparity = node.disparity[std::size_t(2 * axis + (d[axis] < 0))];
+  const FaceAxes& axes = face_axes()[face];
+  const double ahead = glm::dot(d, glm::dvec3(axes.forward));
+  const auto place = [&](const glm::ivec3& along) {
+    return std::clamp((0.5 + 0.5 * glm::dot(d, glm::dvec3(along)) / ahead) * size - 0.5, -1.0,
+                      double(size));
+  };
+  const double u = place(axes.right), v = place(-axes.up);
+  SlowTexel out;
+  const Image<float>& disparity = node.disparity[face];
+  const auto object_at = [&](double x, double y) {
+    const DepthImage& picture = node.map.faces[face];
+    return picture.object.empty()
+               ? 1u
+               : picture.object(std::clamp(int(x), 0, size - 1), std::clamp(int(y), 0, size - 1));
+  };
+  out.object = object_at(std::floor(u + 0.5), std::floor(v + 0.5));
   double off[4], shares[4], least = 1e30, least_weight = 255;
   glm::dvec3 colors[4];
   std::uint32_t objects[4];
@@ -102,10 +112,7 @@ inline SlowTexel slow_texel(const ShadeNode& node, const glm::dvec3& d, double o
     least = std::min(least, off[k]), least_weight = std::min(least_weight, nearest.weight);
     shares[k] = std::max(share, 1e-3), colors[k] = nearest.color;
     // Beyond an edge of the face identifiers are those of its own last texels, as disparities are.
-    const DepthImage& picture = node.map.faces[std::size_t(2 * axis + (d[axis] < 0))];
-    objects[k] = picture.object.empty() ? 1u
-                                        : picture.object(std::clamp(int(x), 0, size - 1),
-                                                         std::clamp(int(y), 0, size - 1));
+    objects[k] = object_at(x, y);
   }
   if (std::isnan(own) || least_weight > 0) return out;
   out.color = glm::dvec3(0.0);
@@ -185,7 +192,12 @@ class SlowNodes {
     glm::dvec3 direction(0.0);
     for (int k = 0; k < 3; ++k)
       direction += weights[k] * glm::dvec3(sample.node->mesh.vertices[corners[k]].texture);
-    return slow_texel(*sample.node, direction,
+    const NodeMesh& mesh = sample.node->mesh;
+    std::size_t face = 0;
+    for (std::size_t f = 0; f < 6; ++f)
+      for (const TriangleRange& range : {mesh.surfaces[f], mesh.skins[f]})
+        if (sample.triangle >= range.first && sample.triangle < range.first + range.count) face = f;
+    return slow_texel(*sample.node, face, direction,
                       sample.skin ? std::nan("") : disparity_of(sample, center),
                       double(options_.tolerance));
   }

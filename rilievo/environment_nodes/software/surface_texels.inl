@@ -1,11 +1,18 @@
 // Colours and identifiers of surfaces beside silhouettes: a pixel takes them from texels of its own
 // surface alone. Part of shade_nodes.cpp, compiled once for each instruction set.
 
-// Pixels that a layer shows: the triangle in each, of the `wanted` ones, their centres and depths.
+// Directions in node space.
+struct Directions {
+  VF x, y, z;
+};
+
+// Pixels that a layer shows: the triangle in each, of the `wanted` ones, their centres and depths,
+// and where the triangles have their colours there.
 struct LayerPixels {
   VU triangle;
   MF wanted;
   VF x, y, inverse_z;
+  TexelPoints points;
 };
 
 // Where node `k` sees points of the frame's eye space.
@@ -54,11 +61,9 @@ HWY_INLINE SurfaceTexels find_surface_texels(const PlacedNodes& placed, const No
       hn::Div(one, hn::Max(ahead_of(seen_by(placed, k, x, y, hn::Neg(ahead))), hn::Set(f, 1e-9f)));
   own = hn::IfThenZeroElse(hn::Le(at.inverse_z, hn::Set(f, nothing * (2 * kBeforeFar - 1))), own);
 
-  const FacePoints point = find_face_points(
-      find_directions(layer.triangles().data(), at.triangle, out.beside, at.x, at.y), out.beside);
+  const TexelPoints& point = at.points;
   const int face = node.mesh.face_size, wide = node.wide();
-  const VF size = hn::Set(f, float(face)), half = hn::Set(f, 0.5f);
-  const VF u = hn::Add(hn::Mul(point.u, size), half), v = hn::Add(hn::Mul(point.v, size), half);
+  const VF size = hn::Set(f, float(face)), u = point.u, v = point.v;
   const VI left = hn::ConvertTo(i32, limited(u, size)), top = hn::ConvertTo(i32, limited(v, size));
   const VF fx = limited(hn::Sub(u, hn::ConvertTo(f, left)), one),
            fy = limited(hn::Sub(v, hn::ConvertTo(f, top)), one);
@@ -137,13 +142,15 @@ HWY_INLINE VU keep_to_surfaces(const PlacedNodes& placed, const NodeLayer& layer
                                Colors& colors) {
   const U u32;
   const bool of_objects = tile.of != TileContent::color && placed.object == kNoObject;
-  VU object = of_objects ? find_content(placed, layer, tile.of, at.triangle, at.wanted, at.x, at.y)
+  VU object = of_objects ? find_content(placed, layer, tile.of, at.triangle, at.wanted, at.points)
                          : hn::Set(u32, placed.object);
+  // As nearly everywhere: no silhouette.
+  if (hn::AllFalse(F(), hn::And(at.wanted, hn::Eq(colors.least, hn::Zero(F()))))) return object;
   std::size_t n = 0;
   for_nodes(layer, at.triangle, at.wanted, [&](const SoftwareNode& node, MF its) {
     while (layer.drawn(n).node != &node) ++n;
     if (tile.of != TileContent::color && (!of_objects || node.object.empty())) return;
-    const LayerPixels own{at.triangle, its, at.x, at.y, at.inverse_z};
+    const LayerPixels own{at.triangle, its, at.x, at.y, at.inverse_z, at.points};
     const SurfaceTexels texels =
         find_surface_texels(placed, layer, node, first + n, own, tile.nothing, colors.least);
     if (of_objects)
