@@ -170,6 +170,8 @@ void NodeLayer::fill_edge_samples(const EdgePixels& pixels, const EdgePixels& wa
     const int right = std::min(width_, edges.x1), bottom = std::min(near.high, high - 1);
     for (int top = std::max(near.low, low) / kBlock * kBlock; top <= bottom; top += kBlock)
       for (int left = std::max(0, edges.x0) / kBlock * kBlock; left < right; left += kBlock) {
+        std::uint64_t word = wanted.word(left, top);
+        if (word == 0 || !reaches(left, top)) continue;
         // Of the block, what the triangle's bounds reach.
         const auto bits = [](int from, int to) {
           return (2u << std::min(to, kBlock - 1)) - (1u << std::max(from, 0));
@@ -177,10 +179,9 @@ void NodeLayer::fill_edge_samples(const EdgePixels& pixels, const EdgePixels& wa
         const std::uint64_t columns = bits(edges.x0 - left, edges.x1 - 1 - left),
                             from_row = std::uint64_t(std::max(near.low - top, 0)),
                             to_row = std::uint64_t(std::min(near.high - top, kBlock - 1));
-        std::uint64_t word = wanted.word(left, top) & columns * 0x0101010101010101u &
-                             ~std::uint64_t(0) << kBlock * from_row &
-                             ~std::uint64_t(0) >> kBlock * (kBlock - 1 - to_row);
-        if (word == 0 || !reaches(left, top)) continue;
+        word &= columns * 0x0101010101010101u & ~std::uint64_t(0) << kBlock * from_row &
+                ~std::uint64_t(0) >> kBlock * (kBlock - 1 - to_row);
+        if (word == 0) continue;
         // At the block's upper left pixel, and the most anywhere in it.
         std::int64_t block[3];
         bool reaches = true;
@@ -201,12 +202,17 @@ void NodeLayer::fill_edge_samples(const EdgePixels& pixels, const EdgePixels& wa
           for (int k = 0; k < 3; ++k)
             at[k] =
                 block[k] + CornerEdges::kUnit * (edges.per_x[k] * across - edges.per_y[k] * down);
-          if (at[0] + most[0] <= 0 || at[1] + most[1] <= 0 || at[2] + most[2] <= 0) continue;
+          // Inside of all edges no number is less than 1.
+          unsigned covered = 0;
+          for (int s = 0; s < kEdgeSamples; ++s)
+            covered |= unsigned(((at[0] + more[s][0] - 1) | (at[1] + more[s][1] - 1) |
+                                 (at[2] + more[s][2] - 1)) >= 0)
+                       << s;
+          if (covered == 0) continue;
           const std::size_t first = kEdgeSamples * std::size_t(pixels.number_of(left, top, bit));
           bool asked = near.part != Part::doubtful;
-          for (int s = 0; s < kEdgeSamples; ++s) {
-            if (!(at[0] + more[s][0] > 0 && at[1] + more[s][1] > 0 && at[2] + more[s][2] > 0))
-              continue;
+          for (; covered != 0; covered &= covered - 1) {
+            const int s = std::countr_zero(covered);
             float& depth = edge_depth_[first + std::size_t(s)];
             std::uint32_t& triangle = edge_triangle_[first + std::size_t(s)];
             // Skins lie behind all surfaces.

@@ -66,6 +66,11 @@ float find_shown(const NodeLayer& layer, double scale, const FrameTile& tile, in
       VF depth[samples];
       VU triangle[samples];
       from.load(first % kBlock, depth, triangle);
+      // Of the block after the next one, which lies in the same lines of the cache.
+      if (samples == 1 && x + 3 * kBlock <= tile.width) {
+        __builtin_prefetch(from.depth + 2 * kBlock);
+        __builtin_prefetch(from.triangle + 2 * kBlock);
+      }
       for (int s = 0; s < samples; ++s) {
         const VF own = hn::Max(hn::Mul(hn::Sub(sky, depth[s]), per_depth), something);
         MF seen = hn::And(hn::Lt(depth[s], one), hn::Ge(own, z[s]));
