@@ -47,7 +47,10 @@ void AutoFrames::prepare(int method, const Camera& camera, double time) {
   shared_eye_.forget();
   prepared_ = false;
   made_.error_px = options_.error_px;
-  const bool hurry = in_a_hurry(outlook_[std::size_t(method)].guess_ms) || begins_with_keyframes_;
+  // What was refused most likely is again: frames are not to lose by it twice.
+  const bool refused = method == kKeyframes && loss_[kKeyframes].refusals > 0;
+  const bool hurry =
+      !refused && (in_a_hurry(outlook_[std::size_t(method)].guess_ms) || begins_with_keyframes_);
   made_.by_frames = method == kKeyframes && hurry;
   if (!beside_ || hurries_ != hurry) beside_.emplace(hurries_ = hurry);
   const Scene& scene = (*software)->scene();
