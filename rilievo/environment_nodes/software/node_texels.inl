@@ -131,6 +131,7 @@ HWY_INLINE void for_nodes(const NodeLayer& layer, VU triangle, MF wanted, const 
 template <bool with_weight = false>
 HWY_INLINE Colors shade(const NodeLayer& layer, VU triangle, MF wanted, const TexelPoints& points) {
   const F f;
+  if (layer.nodes() == 1) return find_colors<with_weight>(*layer.drawn(0).node, points);
   Colors colors{hn::Zero(f), hn::Zero(f), hn::Zero(f), hn::Zero(f), hn::Zero(f)};
   for_nodes(layer, triangle, wanted, [&](const SoftwareNode& node, MF its) {
     const Colors found = find_colors<with_weight>(node, points);
