@@ -70,6 +70,9 @@ inline constexpr int kTexelWeights = 256, kLeastShown = 64, kAllShown = 250;
 // its weight is shifted by so many bits. Away from edges it does not do alone, and of the sky it
 // does not count: it would be a dot of something nearer, which is elsewhere in the frame.
 inline constexpr int kOtherQuarterShift = 3;
+// Not where a texel is so many pixels wide, or more: there a pixel may lie among such quarters
+// alone.
+inline constexpr float kMostMixed = 2;
 // Half of the side of a texel's square, in texels: a little more than half, against cracks.
 inline constexpr float kHalfSquare = 0.55f;
 // A surface whose texels have grown by more, because the eye came so much nearer to it, is not

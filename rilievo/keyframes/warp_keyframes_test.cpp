@@ -154,7 +154,8 @@ struct Slow {
           else if ((same || before) && shows != Quarter::nearer)
             front += all * int(color >> 24 & 7);
           if (!same) continue;
-          const int weight = shows == Quarter::own ? all : mixes ? all >> kOtherQuarterShift : 0;
+          const bool mixed = mixes && std::max(z * scale(frame, key.camera), 1.0f) < kMostMixed;
+          const int weight = shows == Quarter::own ? all : mixed ? all >> kOtherQuarterShift : 0;
           shown += all, sure += weight, known += shows == Quarter::own ? all : 0;
           r += weight * int(color & 255), g += weight * int(color >> 8 & 255);
           b += weight * int(color >> 16 & 255);
@@ -194,9 +195,10 @@ struct Slow {
         const Lookup nearer = find(px, py, front, edge || front > 0);
         Lookup farther;
         if (edge) farther = find(px, py, back, true);
-        const bool left_behind = nearer.too_near && nearer.cover <= kLeastShown;
-        const bool behind = !left_behind && farther.cover > kLeastShown;
-        if (!behind && !(nearer.cover > kLeastShown && (edge || nearer.own > 0))) continue;
+        const bool known = nearer.cover > kLeastShown && nearer.weight > 0;
+        const bool left_behind = nearer.too_near && !known;
+        const bool behind = !left_behind && farther.cover > kLeastShown && farther.weight > 0;
+        if (!behind && !(known && (edge || nearer.own > 0))) continue;
         const float covers = nearer.front / (nearer.weight > 0 ? nearer.weight : 1);
         const float part = behind ? std::min(covers * (1.0f / (6 * kTexelWeights)), 1.0f) : 1.0f;
         const auto byte = [&](float of_nearer, float of_farther) {

@@ -195,6 +195,8 @@ HWY_INLINE Found find(const WarpSource* sources, int count, VF px, float py, VF 
     found.too_near = hn::Or(found.too_near, hn::And(seen, too_near));
     const Mask within = hn::AndNot(too_near, seen);
     if (hn::AllFalse(f, within)) continue;
+    const VF magnified = hn::Max(hn::Mul(z, number(source.pixels_per_texel)), one);
+    const Mask mixed = hn::And(mixes, hn::Lt(magnified, number(kMostMixed)));
     const VF x_floor = hn::Floor(qx), y_floor = hn::Floor(qy);
     const VF ax = hn::Sub(qx, x_floor), ay = hn::Sub(qy, y_floor);
     const auto whole = [&](VF v) { return hn::ConvertTo(i32, hn::IfThenElseZero(within, v)); };
@@ -260,7 +262,7 @@ HWY_INLINE Found find(const WarpSource* sources, int count, VF px, float py, VF 
         const VU parts = hn::IfThenElse(in_front, of_same, hn::IfThenElseZero(behind, of_nearer));
         front = hn::Add(front, hn::IfThenZeroElse(hidden, hn::Mul(all, parts)));
         const VU of_other =
-            hn::IfThenElseZero(hn::RebindMask(u32, mixes), hn::ShiftRight<kOtherQuarterShift>(all));
+            hn::IfThenElseZero(hn::RebindMask(u32, mixed), hn::ShiftRight<kOtherQuarterShift>(all));
         const VU weight = hn::IfThenElseZero(same, hn::IfThenElse(own, all, of_other));
         known = hn::Add(known, hn::IfThenElseZero(hn::And(same, own), all));
         sure = hn::Add(sure, weight);
@@ -274,7 +276,6 @@ HWY_INLINE Found find(const WarpSource* sources, int count, VF px, float py, VF 
     const Mask shows = hn::Gt(colored, hn::Zero(f));
     found.cover = hn::Max(found.cover, share);
     found.own = hn::Max(found.own, number_of(known));
-    const VF magnified = hn::Max(hn::Mul(z, number(source.pixels_per_texel)), one);
     const VF counts =
         hn::IfThenElseZero(shows, hn::Div(number(source.weight), hn::Mul(magnified, magnified)));
     const VU low = hn::Set(u32, 0xffffu);

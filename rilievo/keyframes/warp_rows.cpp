@@ -202,7 +202,10 @@ std::uint32_t shade(const WarpSource* sources, int count, const DepthStrip& stri
     // one just before it, which is no edge.
     const Mask mixes = hn::Or(edge, hn::Gt(front, zero));
     const Found nearer = find(sources, count, px, py, front, mixes);
-    const Mask known = hn::Gt(nearer.cover, least);
+    const auto has_color = [&](const Found& found) {
+      return hn::And(hn::Gt(found.cover, least), hn::Gt(found.weight, zero));
+    };
+    const Mask known = has_color(nearer);
     // In front is what an eye has come too near to. Nothing behind it is seen.
     const Mask left_behind = hn::AndNot(known, nearer.too_near);
     // Shown as a whole where it is no edge.
@@ -211,7 +214,7 @@ std::uint32_t shade(const WarpSource* sources, int count, const DepthStrip& stri
     Found sum{zero, zero, zero, zero, zero, zero, zero, left_behind};
     if (!hn::AllFalse(f, edge)) {
       const Found farther = find(sources, count, px, py, back, edge);
-      const Mask behind = hn::AndNot(left_behind, hn::And(edge, hn::Gt(farther.cover, least)));
+      const Mask behind = hn::AndNot(left_behind, hn::And(edge, has_color(farther)));
       // Without anything behind, the surface in front is all there is.
       const VF covers =
           hn::Div(nearer.front, select(hn::Gt(nearer.weight, zero), nearer.weight, one));
