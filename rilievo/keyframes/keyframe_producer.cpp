@@ -37,6 +37,9 @@ constexpr int kMostInterval = 32;
 constexpr int kAllowedInterval = 8;
 // How many frames ahead an eye is predicted at most, for a source that takes long.
 constexpr int kMostAhead = 60;
+// While the eye moves such a source has about so many ms for a keyframe; its texels for each pixel
+// of the frame, in each direction: at least, and of the first one, which tells what they take.
+constexpr double kBesideMs = 700, kLeastTexels = 0.125, kFirstTexels = 0.25;
 // Columns of a step of what is captured in parts: so few that a frame's time is kept well, also by
 // near objects, which come first and take several times the mean, and so many that all cores have
 // work.
@@ -71,9 +74,8 @@ KeyframeProducer::~KeyframeProducer() { stop_.request_stop(); }
 // Of a fine keyframe.
 Camera KeyframeProducer::camera_with(const Camera& frame, KeyframeMargin margin) const {
   return keyframe_camera(frame, margin, 1,
-                         makes_quarters(options_.samples, options_.whole_texels)
-                             ? Keyframe::kMostRowsWithQuarters
-                             : Keyframe::kMostRows);
+                         makes_quarters(options_.samples, false) ? Keyframe::kMostRowsWithQuarters
+                                                                 : Keyframe::kMostRows);
 }
 
 // An eye's view, as the last frame's.
@@ -124,7 +126,7 @@ void KeyframeProducer::keep_memory(Keyframe keyframe) {
 void KeyframeProducer::add_spare() {
   resize(spare_.emplace_back(),
          camera_with(frame_, {options_.margin * kTurningMargin, options_.margin}),
-         makes_quarters(options_.samples, options_.whole_texels));
+         makes_quarters(options_.samples, false));
 }
 
 void KeyframeProducer::reserve(const Camera& camera, double time) {
@@ -187,13 +189,14 @@ bool KeyframeProducer::has_one_of(const Camera& eye) const {
   });
 }
 
-void KeyframeProducer::begin(const Camera& eye) {
+void KeyframeProducer::begin(const Camera& eye, double texels) {
   KeyframeRequest request;
   request.camera = plain(eye);
+  if (texels < 1) request.camera = keyframe_camera(request.camera, {1, 1}, texels);
   request.objects = objects_;
-  request.samples = options_.samples, request.whole_texels = options_.whole_texels;
+  request.samples = options_.samples;
   request.time = time_, request.sky = options_.sky;
-  request.sharp = stands_at(eye);
+  request.sharp = texels == 1 && stands_at(eye);
   if (near_) {
     near_->choose(request.camera, frame_);
     // No objects would mean all.
@@ -329,32 +332,51 @@ KeyframeProducer::Columns KeyframeProducer::columns_a_frame() const {
   return {least, most, expected, frames};
 }
 
+// Of the next one: for each pixel, in each direction.
+double KeyframeProducer::texels_beside(const Camera& eye) const {
+  if (texel_ms_ == 0) return kFirstTexels;
+  if (stands_at(eye)) return 1;
+  const Camera whole = plain(eye);
+  const double whole_ms = texel_ms_ * whole.width * whole.height;
+  return std::clamp(std::sqrt(kBesideMs / whole_ms), kLeastTexels, 1.0);
+}
+
+Result<> KeyframeProducer::end_beside() {
+  ordered_ = false;
+  if (failed_) {
+    const Error error = *std::exchange(failed_, std::nullopt);
+    keep_memory(maker_.give_up());
+    if (error.reason.find(kCaptureStopped) == std::string::npos) return error;
+    return Done{};
+  }
+  complete_ = true, ++done_.completed;
+  frames_for_one_ = std::max(waited_, 1);
+  texel_ms_ = beside_ms_ / (double(maker_.camera().width) * maker_.camera().height);
+  return Done{};
+}
+
 Result<> KeyframeProducer::work_beside() {
   if (in_flight_.load(std::memory_order_acquire)) {
     ++waited_;
+    // A whole one, of an eye that stood, comes too late for one that moves.
+    if (sharp_beside_ && !stands_at(frame_)) stop_.request_stop();
     return Done{};
   }
-  if (std::exchange(ordered_, false)) {
-    if (failed_) {
-      const Error error = *std::exchange(failed_, std::nullopt);
-      keep_memory(maker_.give_up());
-      if (error.reason.find(kCaptureStopped) == std::string::npos) return error;
-    } else {
-      complete_ = true, ++done_.completed;
-      frames_for_one_ = std::max(waited_, 1);
-    }
-    return Done{};
-  }
+  if (ordered_) return end_beside();
   const Camera eye = prediction_.after(std::min(2 * frames_for_one_, kMostAhead));
   if (!prediction_.speed_known() || has_one_of(eye)) return Done{};
-  begin(eye);
+  const double texels = texels_beside(eye);
+  begin(eye, texels);
+  sharp_beside_ = texels == 1 && stands_at(eye);
   stop_ = {};
   control_.stop = stop_.get_token();
   waited_ = 0, ordered_ = true;
   in_flight_.store(true, std::memory_order_release);
   background_->run([this] {
+    const Stopwatch watch;
     if (Result<> made = maker_.step(source_, maker_.columns_left(), &control_); !made)
       failed_ = made.error();
+    beside_ms_ = watch.ms();
     in_flight_.store(false, std::memory_order_release);
   });
   return Done{};
@@ -447,7 +469,7 @@ double KeyframeProducer::frame_ms() const {
   const Camera key = camera_with(frame_, margin());
   const double pixels = double(frame_.width) * frame_.height;
   const double texels = double(key.width) * key.height;
-  const int shaded = makes_quarters(options_.samples, options_.whole_texels) ? 4 : 1;
+  const int shaded = makes_quarters(options_.samples, false) ? 4 : 1;
   return visibility_ms_ * std::sqrt(pixels / texels) + shading_ms_ * pixels / (texels * shaded);
 }
 

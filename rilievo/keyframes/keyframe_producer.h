@@ -7,7 +7,9 @@
 // that stands gets a keyframe of its own, and then nothing more is made.
 //
 // A source that takes long for a picture has a thread of its own (`beside`): frames do not wait for
-// it, and begin with coarse keyframes.
+// it, and begin with coarse keyframes. While the eye moves its keyframes have as many texels as it
+// makes in the time in which they are of use; an eye that stands gets a whole one, after a small
+// one.
 //
 // After a jump nothing shows what the eye sees: a keyframe is made at once, and with a limit of
 // time a coarse one, by a source that is fast for few texels.
@@ -39,9 +41,8 @@ struct KeyframeOptions {
   // Time of a frame for keyframes; more if one took over 32 frames, or if holes take more. 0: no
   // limit.
   double keyframe_ms = 0;
-  bool whole_texels = false;  // as KeyframeRequest's
-  bool beside = false;        // keyframes are made beside the frames, each at once
-  const Sky* sky = nullptr;   // for sources that draw none; null: they do. See KeyframeRequest
+  bool beside = false;       // keyframes are made beside the frames, each at once
+  const Sky* sky = nullptr;  // for sources that draw none; null: they do. See KeyframeRequest
 };
 
 // What producing did since the last time it was asked.
@@ -112,8 +113,10 @@ class KeyframeProducer {
   [[nodiscard]] Camera plain(const Camera& eye) const;
   [[nodiscard]] bool stands_at(const Camera& eye) const;
   [[nodiscard]] bool has_one_of(const Camera& eye) const;
+  [[nodiscard]] double texels_beside(const Camera& eye) const;
   Result<> work_beside();
-  void begin(const Camera& eye);
+  Result<> end_beside();
+  void begin(const Camera& eye, double texels = 1);
   Result<> make_whole();
   void add(Keyframe keyframe);
   void hide_objects_of_all();
@@ -157,10 +160,13 @@ class KeyframeProducer {
   bool measured_ = false;  // was one completed?
   KeyframeWork done_;
 
-  // Beside the frames: while in_flight_ only the other thread uses maker_ and failed_.
+  // Beside the frames: while in_flight_ only the other thread uses maker_, failed_ and beside_ms_.
   std::atomic<bool> in_flight_{false};
   bool ordered_ = false;  // a keyframe was, and its end was not yet seen
   int waited_ = 0, frames_for_one_ = 60;
+  double beside_ms_ = 0;
+  bool sharp_beside_ = false;
+  double texel_ms_ = 0;  // of the last one; 0: none was complete
   std::optional<Error> failed_;
   std::stop_source stop_;
   CaptureControl control_;

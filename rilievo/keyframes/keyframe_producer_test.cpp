@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <semaphore>
 #include <thread>
@@ -361,6 +362,63 @@ TEST(KeyframeProducer, FramesDoNotWaitForASourceBesideThem) {
   ASSERT_EQ(producer.chosen().size(), 2u);
   EXPECT_FALSE(producer.chosen()[1].keyframe->coarse);
   EXPECT_GT(producer.chosen()[1].weight, producer.chosen()[0].weight);
+}
+
+// Takes at least so long for each texel; says how large its pictures are, and whether it was told
+// to stop.
+class TakesLong final : public CaptureSource {
+ public:
+  TakesLong(CaptureSource& source, double ms_per_texel) : source_(source), ms_(ms_per_texel) {}
+  std::string_view name() const override { return "takes long"; }
+  Box bounds(std::span<const std::uint32_t> objects) const override {
+    return source_.bounds(objects);
+  }
+  Result<CapturedPicture> capture(const CaptureRequest& request) override {
+    widths.push_back(request.camera.width);
+    const Stopwatch watch;
+    while (watch.ms() < ms_ * request.camera.width * request.camera.height) {
+      if (request.control->stop.stop_requested())
+        return Error{"takes long", std::string(kCaptureStopped)};
+      std::this_thread::yield();
+    }
+    return source_.capture(request);
+  }
+  std::vector<int> widths;
+
+ private:
+  CaptureSource& source_;
+  double ms_;
+};
+
+TEST(KeyframeProducer, BesideFramesAnEyeThatMovesGetsAsManyTexelsAsAreMadeInTime) {
+  ProducerStage stage;
+  // 116 x 77 texels would take 2.2 s.
+  TakesLong slow(stage.source, 0.25);
+  KeyframeProducer producer(slow, stage.source, {.samples = 1, .beside = true});
+  (void)producer.follow(ProducerStage::eye(0), 0);
+  ASSERT_TRUE(producer.make_now());
+  int frame = 0;
+  const auto draw = [&](bool moves) {
+    frame += moves;
+    (void)producer.follow(ProducerStage::eye(0.02 * frame), 0);
+    ASSERT_TRUE(producer.work());
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  };
+  const auto draw_until_complete = [&](bool moves) {
+    while (producer.take_work().completed == 0) draw(moves);
+  };
+  draw_until_complete(true), draw_until_complete(true);
+  // A quarter of the size tells what they take. The second one has at most as many texels as the
+  // clock says, more if it says less than a texel takes at least.
+  ASSERT_EQ(slow.widths.size(), 2u);
+  EXPECT_NEAR(slow.widths[0], 116 / 4, 2);
+  EXPECT_GT(slow.widths[1], 116 / 8 - 1);
+  EXPECT_LT(slow.widths[1], 116 * std::sqrt(700 / 2200.0) + 2);
+  // An eye that stands gets a whole one; once it moves, that is given up.
+  while (slow.widths.back() < 110) draw(false);
+  const std::size_t begun = slow.widths.size();
+  while (slow.widths.size() == begun) draw(true);
+  EXPECT_LT(slow.widths.back(), 110);
 }
 
 // It has fewer texels, and shades one where a keyframe shades four.

@@ -91,17 +91,16 @@ Result<Method> make_keyframes(const MethodOptions& options, Backend& backend) {
   if (Result<> known = check_source(options.source); !known)
     return Error{"--source", known.error().message()};
   if (is_slow_source(options.source)) {
-    // It takes long, and draws no sky. Frames wait for it where time does not count.
+    // It takes long. Frames wait for it where time does not count. A program has a sky of its own.
     keyframes.keyframes.beside = options.by_clock;
-    keyframes.keyframes.whole_texels = true;
-    keyframes.keyframes.sky = &(*software)->scene().sky;
+    if (program_named(options.source).empty()) keyframes.keyframes.sky = &(*software)->scene().sky;
     make = [&](const RayScene& rays) {
       ShaderInput input;
       input.rays = &rays;
       input.exec.world = rays.scene().world;
       input.exec.warn = options.warn;
       input.exec.waits = options.waits;
-      return make_shader(options.source, input);
+      return make_slow_source(options.source, input);
     };
   }
   Result<std::unique_ptr<KeyframeFrames>> made =

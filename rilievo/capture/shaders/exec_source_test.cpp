@@ -16,10 +16,12 @@
 #include <utility>
 #include <vector>
 
+#include "rilievo/capture/ray_source.h"
 #include "rilievo/capture/shaders/line_process.h"
 #include "rilievo/capture/shaders/software_shader.h"
 #include "rilievo/core/file_test_helpers.h"
 #include "rilievo/relief_impostor/impostor_content.h"
+#include "rilievo/scene/builtin/builtin.h"
 
 namespace rilievo {
 namespace {
@@ -302,6 +304,32 @@ TEST_F(ExecSourceTest, shaders_have_names) {
   EXPECT_EQ((*field)->name(), "torus");
   options_.arguments = {"none", "0"};
   EXPECT_TRUE(make_shader("exec:" + path_, {.exec = options_}).ok());
+}
+
+// The program's depths, a plane, would be those of no box.
+TEST_F(ExecSourceTest, a_slow_source_has_the_depths_of_rays_and_a_programs_light) {
+  const BuiltinScene boxes = *make_builtin("builtin:stonehenge?triangles=20000");
+  const RayScene rays = *RayScene::create(boxes.scene);
+  options_.arguments = {"none", "0"};
+  const auto source = make_slow_source("exec:" + path_, {.rays = &rays, .exec = options_});
+  ASSERT_TRUE(source.ok());
+  const Camera camera = look_at({0, 1.7, 12}, {0, 1.7, 0}, {0, 1, 0}, 0.7, 40, 30, 0.1,
+                                200);  // within x = -0.5 ... 0.5
+  const auto seen = (*source)->capture({.camera = camera, .samples = 1, .with_sky = true});
+  ASSERT_TRUE(seen.ok()) << seen.error().message();
+  const auto by_rays = RaySource(rays).capture({.camera = camera, .samples = 1});
+  EXPECT_EQ(seen->picture.depth.texels().size(), by_rays->picture.depth.texels().size());
+  EXPECT_TRUE(std::ranges::equal(seen->picture.depth.texels(), by_rays->picture.depth.texels()));
+  // Its blue is the far plane's distance: no light of ours.
+  int covered = 0;
+  for (int y = 0; y < 30; ++y)
+    for (int x = 0; x < 40; ++x) {
+      if (!seen->picture.covered(x, y)) continue;
+      ++covered;
+      EXPECT_EQ(seen->picture.color(x, y).b, 200 * seen->picture.color(x, y).a);
+    }
+  EXPECT_GT(covered, 100);
+  EXPECT_FALSE(make_slow_source("exec:" + path_, {.exec = options_}).ok());
 }
 
 TEST(LineProcess, a_program_gives_way_as_far_as_it_is_told) {

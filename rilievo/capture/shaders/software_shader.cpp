@@ -3,6 +3,8 @@
 #include <string>
 #include <utility>
 
+#include "rilievo/capture/ray_source.h"
+#include "rilievo/capture/shaders/lit_source.h"
 #include "rilievo/capture/shaders/ray_tracer.h"
 
 namespace rilievo {
@@ -16,6 +18,29 @@ Error unknown_shader(std::string_view text) {
   return {"shader '" + std::string(text) + "'",
           "is unknown; there are raytrace" + names + " and exec:PROGRAM"};
 }
+
+// A program's light on what rays see.
+class ProgramOnRays final : public CaptureSource {
+ public:
+  ProgramOnRays(const RayScene& rays, std::unique_ptr<CaptureSource> program)
+      : rays_(rays),
+        program_(std::move(program)),
+        lit_(rays_, *program_, {.light = LightOf::program}) {}
+
+  [[nodiscard]] std::string_view name() const override { return program_->name(); }
+  [[nodiscard]] Box bounds(std::span<const std::uint32_t> objects) const override {
+    return lit_.bounds(objects);
+  }
+  [[nodiscard]] Result<CapturedPicture> capture(const CaptureRequest& request) override {
+    return lit_.capture(request);
+  }
+  [[nodiscard]] const Scene* scene() const override { return lit_.scene(); }
+
+ private:
+  RaySource rays_;
+  std::unique_ptr<CaptureSource> program_;
+  LitSource lit_;
+};
 
 }  // namespace
 
@@ -57,6 +82,14 @@ Result<std::unique_ptr<CaptureSource>> make_shader(std::string_view text,
   }
   if (!input.rays) return Error{"shader 'raytrace'", "needs a scene"};
   return Made(std::make_unique<RayTracer>(*input.rays, input.trace));
+}
+
+Result<std::unique_ptr<CaptureSource>> make_slow_source(std::string_view text,
+                                                        const ShaderInput& input) {
+  Result<std::unique_ptr<CaptureSource>> made = make_shader(text, input);
+  if (!made || program_named(text).empty()) return made;
+  if (!input.rays) return Error{"source '" + std::string(text) + "'", "needs a scene"};
+  return {std::make_unique<ProgramOnRays>(*input.rays, *std::move(made))};
 }
 
 }  // namespace rilievo

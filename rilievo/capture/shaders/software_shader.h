@@ -35,6 +35,12 @@ struct ShaderInput {
 // Does the text name a shader, as far as that can be said before it is made?
 [[nodiscard]] Result<> check_shader(std::string_view text);
 
+// A slow source of this scene whose depths are those of rays: a program's light is put on what rays
+// see (lit_source.h), as its own depths are of one sample somewhere in a texel. Fails as
+// make_shader().
+[[nodiscard]] Result<std::unique_ptr<CaptureSource>> make_slow_source(std::string_view text,
+                                                                      const ShaderInput& input);
+
 // Makes the shader. The error says which there are, or what it lacks.
 [[nodiscard]] Result<std::unique_ptr<CaptureSource>> make_shader(std::string_view text,
                                                                  const ShaderInput& input);
