@@ -254,6 +254,7 @@ Result<> run_compare(CompareCommand options) {
   RealTimeOptions real_time;
   real_time.seconds = plan->frames / kFramesPerSecond;
   real_time.limits = compare_options.limits;
+  real_time.waits = true;
   // A slow method draws on until all frames to be compared are drawn: its eye must not stand.
   constexpr double kDrawsOn = 120;  // seconds
   const CameraPath path = there_and_back(plan->path, real_time.seconds + kDrawsOn);

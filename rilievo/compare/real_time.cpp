@@ -1,6 +1,8 @@
 #include "rilievo/compare/real_time.h"
 
 #include <algorithm>
+#include <chrono>
+#include <thread>
 
 #include "rilievo/core/expects.h"
 #include "rilievo/core/stopwatch.h"
@@ -91,6 +93,9 @@ Result<RealTimeWalk> walk_in_real_time(FrameSource& source, const DrawTargets& t
         since_cut = -1;
       }
     }
+    const double rest_ms = 1000 / options.refresh - ms;
+    if (options.waits && rest_ms > 0)
+      std::this_thread::sleep_for(std::chrono::duration<double, std::milli>(rest_ms));
     clock += options.each_frame ? 1 / options.refresh : std::max(ms / 1000, 1 / options.refresh);
   }
   // Not good again before the walk ended: at least so long.

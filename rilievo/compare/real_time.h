@@ -23,7 +23,10 @@ struct RealTimeOptions {
   int kept = 8;        // frames to compare, spread evenly over the walk
   int in_a_row = 1;    // so many frames that follow each other are kept at each of these places
   BoundLimits limits;
-  double refresh = 60;       // the most frames that a display shows in a second
+  double refresh = 60;  // the most frames that a display shows in a second
+  // Frames wait for the display, so that what works beside them has its time. Otherwise the clock
+  // goes on at once where a frame takes less.
+  bool waits = false;
   bool each_frame = false;   // the eye moves from frame to frame as at that rate, not by the clock
   std::vector<double> cuts;  // times at which the eye jumps, ascending
 };

@@ -7,6 +7,7 @@
 #include <chrono>
 #include <thread>
 
+#include "rilievo/core/stopwatch.h"
 #include "rilievo/gl/context_test_helpers.h"
 
 namespace rilievo {
@@ -53,6 +54,18 @@ class RealTimeTest : public gl::ContextTest {
     return walk_in_real_time(source, *DrawTargets::create(sources, 16, 16, 1), eye, options);
   }
 };
+
+TEST_F(RealTimeTest, frames_wait_for_the_display_where_they_are_to) {
+  RealTimeOptions options;
+  options.seconds = 0.2;
+  options.kept = 1;
+  options.waits = true;
+  Sleeper quick(0);
+  const Stopwatch watch;
+  ASSERT_TRUE(draw_walk(quick, options).ok());
+  // The last frame begins before the walk's end.
+  EXPECT_GE(watch.ms(), 200 - 1000 / options.refresh);
+}
 
 // Sleeps take at least as long as they say, so that this depends on no clock from above.
 TEST_F(RealTimeTest, a_slow_method_moves_further_from_frame_to_frame) {
