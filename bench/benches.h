@@ -32,6 +32,7 @@ namespace rilievo::bench {
 [[nodiscard]] Result<BenchReport> rgbd(const BenchOptions& options);
 [[nodiscard]] Result<BenchReport> scaling(const BenchOptions& options);
 [[nodiscard]] Result<BenchReport> serve(const BenchOptions& options);
+[[nodiscard]] Result<BenchReport> slow_keyframes(const BenchOptions& options);
 [[nodiscard]] Result<BenchReport> spinning(const BenchOptions& options);
 [[nodiscard]] Result<BenchReport> splats(const BenchOptions& options);
 [[nodiscard]] Result<BenchReport> tradeoff(const BenchOptions& options);

@@ -262,6 +262,8 @@ Result<> add_crowd(const std::string& name, LiveBenchScene& scene, int count, bo
 }  // namespace
 
 Result<BenchReport> serve(const BenchOptions& options) {
+  if (!options.source.empty() && options.source != "raster" && options.source != "raytrace")
+    return Error{"--source", "serve takes raster or raytrace"};
   LiveSizes sizes;
   if (options.full) sizes.seconds = 60, sizes.frames_a_second = 0.5;
   if (options.quick) sizes = {160, 96, 3, 1};

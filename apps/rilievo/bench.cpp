@@ -149,15 +149,16 @@ Command bench_command(CLI::App& app) {
   command
       ->add_option("--scene", options->scenes,
                    "For node-places: scenes besides stonehenge; for kinds: objects besides its "
-                   "own; for real, keyframes, jumps, auto and serve: scenes instead of its own, "
-                   "each with the "
+                   "own; for real, keyframes, slow-keyframes, jumps, auto and serve: scenes "
+                   "instead of its own, each with the "
                    "walks NAME-*.json beside it, builtin:NAME, or the name of one of its own")
       ->type_name("FILE ...");
   command
       ->add_option_function<std::string>(
           "--size",
           [options](const std::string& text) { parse_size(text, options->width, options->height); },
-          "For real, keyframes, jumps and auto: size of a frame in pixels (default 1280x720)")
+          "For real, keyframes, slow-keyframes, jumps and auto: size of a frame in pixels (default "
+          "1280x720)")
       ->type_name("WxH");
   add_budget_options(*command, "For real", options->capture_ms, options->late, options->max_spike);
   command->add_flag(
@@ -172,7 +173,7 @@ Command bench_command(CLI::App& app) {
       ->type_name("T");
   command
       ->add_option("--keyframe-samples", options->keyframe_samples,
-                   "For keyframes: samples of a texel (default 4)")
+                   "For keyframes and slow-keyframes: samples of a texel (default 4)")
       ->check(CLI::IsMember({1, 4, 16}));
   command->add_flag("--each-frame", options->each_frame,
                     "For keyframes: the eye moves by a sixtieth of a second a frame, however long "
@@ -183,7 +184,8 @@ Command bench_command(CLI::App& app) {
       ->type_name("DIR");
   command
       ->add_option("--seconds", options->seconds,
-                   "For serve: length of a walk (default 8, with --full 60)")
+                   "For serve and slow-keyframes: length of a walk (default 8, with --full 60; "
+                   "slow-keyframes 16)")
       ->check(in_range(2.5, 100.0))
       ->type_name("T");
   command
@@ -199,8 +201,9 @@ Command bench_command(CLI::App& app) {
       ->type_name("MS ...");
   command
       ->add_option("--source", options->source,
-                   "For serve: who makes pictures, raster (default) or raytrace")
-      ->check(CLI::IsMember({"raster", "raytrace"}));
+                   "Who makes pictures: for serve raster (default) or raytrace, for slow-keyframes "
+                   "raytrace (default) or exec:PROGRAM")
+      ->type_name("SOURCE");
   add_machine_option(*command, "For real", options->machine);
   command
       ->add_option("--draw", options->draw,
