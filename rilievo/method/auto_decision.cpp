@@ -279,7 +279,7 @@ void AutoDecision::end_trial(std::span<const AutoOutlook> outlook) {
   cost.frames = found->frames, cost.age = 0, cost.slow = slow_;
   cost.measured += cost.frames;
   cost.recent.set(cost.mean_ms, cost.frames);
-  const double drawing_ms = (warms_up() ? kPlainlyWorth : 1) * drawing.mean_ms;
+  const double drawing_ms = (tried_in_warm_up_ ? kPlainlyWorth : 1) * drawing.mean_ms;
   if (now.ready && now.good_enough && better(cost.mean_ms, tried, drawing_ms, draws_)) {
     change(tried);
     reason_ = AutoReason::cheapest;
@@ -349,15 +349,18 @@ AutoChoice AutoDecision::next(std::span<const AutoOutlook> outlook, bool jumped,
         const int tries = disturbed || slow ? -1 : worth_trying(outlook, true);
         // What is prepared would disturb the trial.
         prepares_ = tries >= 0 ? -1 : worth_trying(outlook, false);
+        tried_in_warm_up_ = false;
         if (tries >= 0)
           trials_.begin(tries, candidates_[std::size_t(tries)].warm_up,
                         plausible(tries, outlook[std::size_t(tries)]));
       } else if (const int tries = disturbed ? -1 : plainly_worth_trying(outlook); tries >= 0) {
+        prepares_ = -1;
+        tried_in_warm_up_ = true;
         trials_.begin(tries, candidates_[std::size_t(tries)].warm_up,
                       plausible(tries, outlook[std::size_t(tries)]));
       }
     }
-    if (warms_up() && costs_[std::size_t(draws_)].fails == 0)
+    if (warms_up() && !trials_.goes_on() && costs_[std::size_t(draws_)].fails == 0)
       prepares_ = plainly_worth_preparing(outlook);
   }
 

@@ -160,10 +160,11 @@ class AutoDecision {
   // or in view is what is dear for all methods.
   double slow_ = 1;
   AutoTrials trials_;
-  Cost before_failed_;           // of what trials_ doubts, before its trial
-  int unsettled_ = 0;            // frames for which what draws has taken much more than it did
-  double last_ms_ = 0;           // of what draws
-  std::vector<double> guesses_;  // of this frame
+  bool tried_in_warm_up_ = false;  // the last trial began while what draws warmed up
+  Cost before_failed_;             // of what trials_ doubts, before its trial
+  int unsettled_ = 0;              // frames for which what draws has taken much more than it did
+  double last_ms_ = 0;             // of what draws
+  std::vector<double> guesses_;    // of this frame
 };
 
 }  // namespace rilievo
