@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <glm/glm.hpp>
 #include <memory>
 #include <string>
@@ -23,12 +24,11 @@
 #include "bench/traced_frame.h"
 #include "rilievo/capture/shaders/software_shader.h"
 #include "rilievo/compare/real_time.h"
-#include "rilievo/frame/software/software_backend.h"
+#include "rilievo/keyframes/software/keyframe_frames.h"
 #include "rilievo/measure/flip.h"
 #include "rilievo/measure/psnr.h"
 #include "rilievo/measure/ssim.h"
 #include "rilievo/measure/stats.h"
-#include "rilievo/method/method.h"
 #include "rilievo/render/rays/ray_scene.h"
 
 namespace rilievo::bench {
@@ -41,6 +41,7 @@ constexpr int kTrueSamples = 4, kProgramSamples = 16;  // of these; programs are
 struct SlowWalk {
   RealTimeWalk walked;
   double seconds = 0;
+  int keyframes_made = 0;
   double keyframe_s = 0;  // from one to the next
   Rightness keyframes, last, plane;
   Summary psnr_db;
@@ -81,29 +82,65 @@ Result<> compare_walk(const TracedFrames& traced, const std::function<WalkFrame(
   return Done{};
 }
 
-Result<SlowWalk> walk_slowly(SoftwareBackend& backend, const TracedFrames& traced,
-                             const CameraPath& path, const BenchOptions& options, int width,
+// Counts the source's keyframes, not the coarse ones by rays.
+class Counted final : public FrameSource {
+ public:
+  explicit Counted(std::unique_ptr<KeyframeFrames> frames) : frames_(std::move(frames)) {}
+  Result<> draw(const Camera& camera, double time) override {
+    Result<> drawn = frames_->draw(camera, time);
+    keyframes += frames_->shares().completed;
+    return drawn;
+  }
+  Result<> draw_objects() override { return frames_->draw_objects(); }
+  [[nodiscard]] const SoftwareTarget* software_target() const override {
+    return frames_->software_target();
+  }
+  [[nodiscard]] const FrameStats& stats() const override { return frames_->stats(); }
+
+  int keyframes = 0;
+
+ private:
+  std::unique_ptr<KeyframeFrames> frames_;
+};
+
+// As the method does where frames go by the clock.
+Result<std::unique_ptr<KeyframeFrames>> make_frames(const Scene& scene, const std::string& source,
+                                                    int samples) {
+  KeyframeFramesOptions options;
+  options.keyframes.beside = true, options.keyframes.samples = samples;
+  if (program_named(source).empty()) options.keyframes.sky = &scene.sky;
+  return KeyframeFrames::create(
+      scene,
+      [&](const RayScene& rays) {
+        ShaderInput input;
+        input.rays = &rays, input.exec.world = scene.world;
+        return make_slow_source(source, input);
+      },
+      options);
+}
+
+Result<SlowWalk> walk_slowly(const Scene& scene, const TracedFrames& traced, const CameraPath& path,
+                             const std::string& source, const BenchOptions& options, int width,
                              int height, const std::function<void()>& done) {
-  MethodOptions method_options;
-  method_options.source = options.source.empty() ? "raytrace" : options.source;
-  method_options.by_clock = true;
-  method_options.keyframe_samples = options.keyframe_samples;
-  Result<Method> method = make_method("keyframes", method_options, backend);
-  if (!method) return method.error();
+  Result<std::unique_ptr<KeyframeFrames>> frames =
+      make_frames(scene, source, options.keyframe_samples);
+  if (!frames) return frames.error();
+  // Not after the walk: it would go on making the next keyframe beside the true frames.
+  auto counted = std::make_unique<Counted>(*std::move(frames));
   const CameraPath endless = there_and_back(path, kLongestWalk);
   const auto at = [&](double seconds) {
     return WalkFrame{camera_at(endless, endless.keys.front().time + seconds, width, height), 0};
   };
   RealTimeOptions real_time;
-  real_time.seconds = options.quick ? 1 : options.seconds > 0 ? options.seconds : kSeconds;
+  real_time.seconds = options.quick ? 2 : options.seconds > 0 ? options.seconds : kSeconds;
   real_time.kept = options.quick ? 2 : kKept;
   real_time.waits = true;
-  Result<RealTimeWalk> walked = walk_in_real_time(*method->frames, {}, at, real_time);
+  Result<RealTimeWalk> walked = walk_in_real_time(*counted, {}, at, real_time);
   if (!walked) return walked.error();
   SlowWalk walk{.walked = std::move(*walked), .seconds = real_time.seconds};
-  walk.keyframe_s = real_time.seconds / std::max(1, walk.walked.captures);
-  // It goes on making the next keyframe otherwise, beside the true frames.
-  method->frames.reset();
+  walk.keyframes_made = counted->keyframes;
+  walk.keyframe_s = real_time.seconds / std::max(1, walk.keyframes_made);
+  counted.reset();
   if (Result<> compared = compare_walk(traced, at, done, walk); !compared) return compared.error();
   return {std::move(walk)};
 }
@@ -114,7 +151,7 @@ void add_figures(const std::string& name, const SlowWalk& walk, BenchReport& rep
   figure("frames", double(walk.walked.frame_ms.size()));
   figure("first_frame_ms", walk.walked.first_frame_ms);
   figure("p50_ms", ms.p50), figure("p99_ms", ms.p99);
-  figure("keyframes", walk.walked.captures), figure("keyframe_s", walk.keyframe_s);
+  figure("keyframes", walk.keyframes_made), figure("keyframe_s", walk.keyframe_s);
   figure("age_s", walk.age_s), figure("psnr_db_min", walk.psnr_db.min);
   std::vector<std::string> row{name,
                                std::to_string(walk.walked.frame_ms.size()),
@@ -155,7 +192,6 @@ Result<BenchReport> slow_keyframes(const BenchOptions& options) {
   for (const RealScene& real : scenes) {
     const Result<Scene> scene = real.make();
     if (!scene) return scene.error();
-    SoftwareBackend backend(*scene, 4);
     Result<TracedFrames> traced = TracedFrames::create(*scene, by, kTrueSide, true_samples);
     if (!traced) return traced.error();
     const std::vector<RealWalk> walks = real.walks(*scene);
@@ -163,7 +199,7 @@ Result<BenchReport> slow_keyframes(const BenchOptions& options) {
     for (const RealWalk& walk : walks) {
       const std::string name = real.name + "-" + walk.name;
       const Result<SlowWalk> measured =
-          walk_slowly(backend, *traced, walk.path, options, width, height, [&] {
+          walk_slowly(*scene, *traced, walk.path, by, options, width, height, [&] {
             if (options.progress) options.progress(++done, std::max(done, total));
           });
       if (!measured) return measured.error();
@@ -177,7 +213,7 @@ Result<BenchReport> slow_keyframes(const BenchOptions& options) {
   report_load(load, report);
   report.notes.push_back(fmt::format(
       "The eye moves by the clock; p50 and p99 are of all frames after the first. {} frames are "
-      "compared with the source's own of {} samples a pixel (means). Last frame: the source's, "
+      "compared with the source's own of {} samples a pixel (means). Last frame: such a one, "
       "begun so long ago as `age` says, where each takes as long as a keyframe and waits for the "
       "next one. On a plane: the same, drawn for the eye on a plane at its median depth.",
       options.quick ? 2 : kKept, kTrueSide * kTrueSide * true_samples));
