@@ -55,6 +55,13 @@ bool same_view(const Camera& a, const Camera& b) {
          a.window == b.window && a.width == b.width && a.height == b.height;
 }
 
+// The same place and direction?
+bool same_pose(const Camera& a, const Camera& b) {
+  Camera like_a = b;
+  like_a.window = a.window, like_a.width = a.width, like_a.height = a.height;
+  return same_view(a, like_a);
+}
+
 double turn_between(const Camera& a, const Camera& b) {
   return std::acos(std::clamp(glm::dot(a.forward(), b.forward()), -1.0, 1.0));
 }
@@ -332,10 +339,13 @@ KeyframeProducer::Columns KeyframeProducer::columns_a_frame() const {
   return {least, most, expected, frames};
 }
 
-// Of the next one: for each pixel, in each direction.
+// Of the next one: for each pixel, in each direction. An eye that stands gets a whole one after
+// what is soon there: it may go on before.
 double KeyframeProducer::texels_beside(const Camera& eye) const {
   if (texel_ms_ == 0) return kFirstTexels;
-  if (stands_at(eye)) return 1;
+  const bool any_here = std::ranges::any_of(
+      ready_, [&](const Keyframe& key) { return !key.coarse && same_pose(key.camera, eye); });
+  if (stands_at(eye) && any_here) return 1;
   const Camera whole = plain(eye);
   const double whole_ms = texel_ms_ * whole.width * whole.height;
   return std::clamp(std::sqrt(kBesideMs / whole_ms), kLeastTexels, 1.0);
@@ -347,9 +357,12 @@ Result<> KeyframeProducer::end_beside() {
     const Error error = *std::exchange(failed_, std::nullopt);
     keep_memory(maker_.give_up());
     if (error.reason.find(kCaptureStopped) == std::string::npos) return error;
+    after_stop_ = true;
     return Done{};
   }
   complete_ = true, ++done_.completed;
+  // A program that was told to stop may have gone on, and the next one has waited for that.
+  if (std::exchange(after_stop_, false) && texel_ms_ > 0) return Done{};
   frames_for_one_ = std::max(waited_, 1);
   texel_ms_ = beside_ms_ / (double(maker_.camera().width) * maker_.camera().height);
   return Done{};
@@ -358,8 +371,8 @@ Result<> KeyframeProducer::end_beside() {
 Result<> KeyframeProducer::work_beside() {
   if (in_flight_.load(std::memory_order_acquire)) {
     ++waited_;
-    // A whole one, of an eye that stood, comes too late for one that moves.
-    if (sharp_beside_ && !stands_at(frame_)) stop_.request_stop();
+    // A whole one, of an eye that stood, comes too late for one that has gone on.
+    if (sharp_beside_ && !same_view(plain(frame_), ordered_view_)) stop_.request_stop();
     return Done{};
   }
   if (ordered_) return end_beside();
@@ -368,6 +381,7 @@ Result<> KeyframeProducer::work_beside() {
   const double texels = texels_beside(eye);
   begin(eye, texels);
   sharp_beside_ = texels == 1 && stands_at(eye);
+  ordered_view_ = plain(eye);
   stop_ = {};
   control_.stop = stop_.get_token();
   waited_ = 0, ordered_ = true;

@@ -9,7 +9,7 @@
 // A source that takes long for a picture has a thread of its own (`beside`): frames do not wait for
 // it, and begin with coarse keyframes. While the eye moves its keyframes have as many texels as it
 // makes in the time in which they are of use; an eye that stands gets a whole one, after a small
-// one.
+// one of its own.
 //
 // After a jump nothing shows what the eye sees: a keyframe is made at once, and with a limit of
 // time a coarse one, by a source that is fast for few texels.
@@ -165,7 +165,9 @@ class KeyframeProducer {
   bool ordered_ = false;  // a keyframe was, and its end was not yet seen
   int waited_ = 0, frames_for_one_ = 60;
   double beside_ms_ = 0;
-  bool sharp_beside_ = false;
+  bool sharp_beside_ = false;  // it is a whole one, of an eye that stands
+  Camera ordered_view_;        // that eye's, of a whole one
+  bool after_stop_ = false;
   double texel_ms_ = 0;  // of the last one; 0: none was complete
   std::optional<Error> failed_;
   std::stop_source stop_;

@@ -5,10 +5,12 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <mutex>
 #include <semaphore>
 #include <thread>
 
 #include "rilievo/capture/raster_source.h"
+#include "rilievo/core/stopwatch.h"
 #include "rilievo/scene/builtin/builtin.h"
 
 namespace rilievo {
@@ -374,7 +376,10 @@ class TakesLong final : public CaptureSource {
     return source_.bounds(objects);
   }
   Result<CapturedPicture> capture(const CaptureRequest& request) override {
-    widths.push_back(request.camera.width);
+    {
+      const std::lock_guard lock(mutex_);
+      widths_.push_back(request.camera.width);
+    }
     const Stopwatch watch;
     while (watch.ms() < ms_ * request.camera.width * request.camera.height) {
       if (request.control->stop.stop_requested())
@@ -383,11 +388,17 @@ class TakesLong final : public CaptureSource {
     }
     return source_.capture(request);
   }
-  std::vector<int> widths;
+  // Of those begun.
+  std::vector<int> widths() {
+    const std::lock_guard lock(mutex_);
+    return widths_;
+  }
 
  private:
   CaptureSource& source_;
   double ms_;
+  std::mutex mutex_;
+  std::vector<int> widths_;
 };
 
 TEST(KeyframeProducer, BesideFramesAnEyeThatMovesGetsAsManyTexelsAsAreMadeInTime) {
@@ -397,28 +408,50 @@ TEST(KeyframeProducer, BesideFramesAnEyeThatMovesGetsAsManyTexelsAsAreMadeInTime
   KeyframeProducer producer(slow, stage.source, {.samples = 1, .beside = true});
   (void)producer.follow(ProducerStage::eye(0), 0);
   ASSERT_TRUE(producer.make_now());
-  int frame = 0;
-  const auto draw = [&](bool moves) {
-    frame += moves;
-    (void)producer.follow(ProducerStage::eye(0.02 * frame), 0);
+  int frame = 0, complete = 0;
+  const auto draw_until = [&](bool moves, const auto& done) {
+    while (!done()) {
+      frame += moves;
+      (void)producer.follow(ProducerStage::eye(0.02 * frame), 0);
+      ASSERT_TRUE(producer.work());
+      complete += producer.take_work().completed;
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    }
+  };
+  ASSERT_NO_FATAL_FAILURE(draw_until(true, [&] { return complete == 2; }));
+  // A quarter of the size tells what they take. The second one has as many texels as the clock
+  // says, which is at least what a texel takes.
+  const std::vector<int> moving = slow.widths();
+  EXPECT_NEAR(moving[0], 116 / 4, 2);
+  EXPECT_GT(moving[1], 116 / 8 - 1);
+  EXPECT_LT(moving[1], 116 * std::sqrt(700 / 2200.0) + 2);
+  // An eye that stands gets a small one, and then a whole one; once it moves, that is given up.
+  ASSERT_NO_FATAL_FAILURE(draw_until(false, [&] { return slow.widths().back() > 110; }));
+  const std::size_t begun = slow.widths().size();
+  EXPECT_LT(slow.widths()[begun - 2], 110);
+  const int before = complete;
+  ASSERT_NO_FATAL_FAILURE(draw_until(true, [&] { return slow.widths().size() > begun; }));
+  EXPECT_EQ(complete, before);
+  EXPECT_LT(slow.widths().back(), 110);
+}
+
+// Steps with pauses: small ones come all the time.
+TEST(KeyframeProducer, BesideFramesAnEyeThatStopsAndGoesGetsKeyframes) {
+  ProducerStage stage;
+  // A whole one would take 18 s, and one of an eighth of the size 0.3 s.
+  TakesLong slow(stage.source, 2);
+  KeyframeProducer producer(slow, stage.source, {.samples = 1, .beside = true});
+  (void)producer.follow(ProducerStage::eye(0), 0);
+  ASSERT_TRUE(producer.make_now());
+  (void)producer.take_work();
+  int complete = 0;
+  for (int i = 0; complete < 4; ++i) {
+    (void)producer.follow(ProducerStage::eye(0.02 * (i / 3)), 0);
     ASSERT_TRUE(producer.work());
+    complete += producer.take_work().completed;
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
-  };
-  const auto draw_until_complete = [&](bool moves) {
-    while (producer.take_work().completed == 0) draw(moves);
-  };
-  draw_until_complete(true), draw_until_complete(true);
-  // A quarter of the size tells what they take. The second one has at most as many texels as the
-  // clock says, more if it says less than a texel takes at least.
-  ASSERT_EQ(slow.widths.size(), 2u);
-  EXPECT_NEAR(slow.widths[0], 116 / 4, 2);
-  EXPECT_GT(slow.widths[1], 116 / 8 - 1);
-  EXPECT_LT(slow.widths[1], 116 * std::sqrt(700 / 2200.0) + 2);
-  // An eye that stands gets a whole one; once it moves, that is given up.
-  while (slow.widths.back() < 110) draw(false);
-  const std::size_t begun = slow.widths.size();
-  while (slow.widths.size() == begun) draw(true);
-  EXPECT_LT(slow.widths.back(), 110);
+  }
+  for (const int width : slow.widths()) EXPECT_LT(width, 110);
 }
 
 // It has fewer texels, and shades one where a keyframe shades four.

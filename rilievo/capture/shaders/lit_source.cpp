@@ -184,7 +184,7 @@ Result<CapturedPicture> LitSource::lit(const CaptureRequest& request, int sample
   const Result<CapturedPicture> light = light_.capture(of_light);
   if (!light) return light.error();
   const LitPicture lit(picture, light->picture, options_.light);
-  if (const double missing = lit.missing(); missing > kMostMissing)
+  if (const double missing = options_.may_miss ? 0 : lit.missing(); missing > kMostMissing)
     return Error{std::string(light_.name()),
                  fmt::format("shows nothing at {:.0f} % of the surfaces: is it of another scene?",
                              100 * missing)};

@@ -25,21 +25,28 @@ class ProgramOnRays final : public CaptureSource {
   ProgramOnRays(const RayScene& rays, std::unique_ptr<CaptureSource> program)
       : rays_(rays),
         program_(std::move(program)),
-        lit_(rays_, *program_, {.light = LightOf::program}) {}
+        lit_(rays_, *program_, {.light = LightOf::program}),
+        rest_(rays_, *program_, {.light = LightOf::program, .may_miss = true}) {}
 
   [[nodiscard]] std::string_view name() const override { return program_->name(); }
   [[nodiscard]] Box bounds(std::span<const std::uint32_t> objects) const override {
     return lit_.bounds(objects);
   }
   [[nodiscard]] Result<CapturedPicture> capture(const CaptureRequest& request) override {
-    return lit_.capture(request);
+    if (is_of_this_scene_) return rest_.capture(request);
+    Result<CapturedPicture> first = lit_.capture(request);
+    is_of_this_scene_ = first.ok();
+    return first;
   }
   [[nodiscard]] const Scene* scene() const override { return lit_.scene(); }
 
  private:
   RaySource rays_;
   std::unique_ptr<CaptureSource> program_;
-  LitSource lit_;
+  // The first picture tells whether the program shows this scene. Later ones may look at what it
+  // does not show.
+  LitSource lit_, rest_;
+  bool is_of_this_scene_ = false;
 };
 
 }  // namespace
