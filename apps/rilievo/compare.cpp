@@ -206,6 +206,7 @@ Result<> run_compare(CompareCommand options) {
   const Result<FramePlan> plan = plan_frames(options.frames, *opened);
   if (!plan) return plan.error();
   set_eyes(*plan, options.method_options);
+  set_program_scene(options.scene, options.limits, options.method_options);
   options.method_options.impostors.background = options.real_time;
   options.method_options.by_clock = options.method_options.by_clock || options.real_time;
   Stages stages(opened->scene, options.frames.samples, &opened->deformations);

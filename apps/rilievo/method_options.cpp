@@ -142,6 +142,12 @@ void add_method_options(CLI::App& command, MethodOptions& options) {
           "where frames go by the clock the last two work beside them, after coarse ones by rays")
       ->type_name("SOURCE");
   command
+      .add_option(
+          "--program-scene", options.program_scene,
+          "keyframes: what the program of --source exec:PROGRAM opens instead of SCENE, such "
+          "as room.blend")
+      ->type_name("FILE");
+  command
       .add_option("--keyframe-ms", options.keyframe_ms,
                   "keyframes: time that a frame spends on the next keyframe, in ms, and more where "
                   "holes take more; after a jump a coarse one is made first (default: a sixteenth "

@@ -13,6 +13,7 @@
 #include "rilievo/method/auto.h"
 #include "rilievo/method/relief_impostors.h"
 #include "rilievo/representation/software/software_factories.h"
+#include "rilievo/scene/builtin/builtin.h"
 
 namespace rilievo::app {
 namespace {
@@ -52,6 +53,12 @@ bool is_method(const std::string& name) {
 
 std::string default_method(const MethodOptions& options) {
   return options.bake_mb > 0 || options.levels ? "cache" : std::string(kAutoName);
+}
+
+void set_program_scene(const std::string& scene, const FileLimits& limits, MethodOptions& options) {
+  if (!options.program_scene.empty() || is_builtin(scene) || limits.up || limits.metres_per_unit)
+    return;
+  options.program_scene = scene;
 }
 
 CLI::Validator known_method() {

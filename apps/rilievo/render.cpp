@@ -192,6 +192,7 @@ Result<> render_scene(const RenderCommand& options) {
   if (!plan) return plan.error();
   MethodOptions methods = options.methods;
   set_eyes(*plan, methods);
+  set_program_scene(options.scene, options.limits, methods);
   const Result<std::unique_ptr<gl::Context>> context =
       open_opengl({&options.method, 1}, options.frames.samples, methods);
   if (!context) return context.error();

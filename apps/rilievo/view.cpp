@@ -315,6 +315,7 @@ Result<> view_scene(const ViewCommand& options) {
     if (name != first) subject.methods.push_back(name);
   subject.make = [&](const std::string& method, MethodOptions methods) {
     set_eyes(*plan, methods);
+    set_program_scene(options.scene, options.limits, methods);
     methods.impostors.background = true;
     return stage.make(method, methods);
   };

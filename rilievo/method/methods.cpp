@@ -98,6 +98,7 @@ Result<Method> make_keyframes(const MethodOptions& options, Backend& backend) {
       ShaderInput input;
       input.rays = &rays;
       input.exec.world = rays.scene().world;
+      if (!options.program_scene.empty()) input.exec.arguments = {options.program_scene};
       input.exec.warn = options.warn;
       input.exec.waits = options.waits;
       return make_slow_source(options.source, input);

@@ -229,6 +229,17 @@ class Sources(Case):
             self.assertTrue(opened.endswith("/scene.glb"), opened)
             self.assertFalse(pathlib.Path(opened).exists())
 
+    def test_a_program_that_makes_keyframes_gets_the_scene_or_one_of_its_own(self):
+        glb = self.folder / "stones.glb"
+        self.succeeds("scene", STONES, "-o", glb)
+        own = self.write("own.blend", "a scene of the program's")
+        for arguments, scene, opens in (((), glb, f"opens {glb}"), (("--program-scene", own), glb, f"opens {own}"),
+                                        ((), STONES, "opens ")):
+            self.log.unlink(missing_ok=True)
+            self.succeeds("render", scene, "--method", "keyframes", "--source", self.exec, *arguments, "--size",
+                          "64x48", "--frames", "1", "--draw", "software", "-o", self.folder / "frames")
+            self.assertEqual(self.log.read_text().splitlines()[0], opens)
+
     def test_a_programs_own_scene_has_depth_along_what_two_pictures_tell(self):
         own = self.write("own.blend", "a scene of the program's")
         sizes = {}
