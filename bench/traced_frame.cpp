@@ -1,12 +1,12 @@
 #include "bench/traced_frame.h"
 
 #include <algorithm>
-#include <cmath>
 #include <glm/glm.hpp>
 #include <utility>
 #include <vector>
 
 #include "rilievo/capture/shaders/software_shader.h"
+#include "rilievo/compare/reference_frames.h"
 #include "rilievo/core/parallel_for.h"
 #include "rilievo/render/shading/sky_rays.h"
 
@@ -15,41 +15,26 @@ namespace {
 
 constexpr int kStrips = 4;  // of a frame: 90 MB each, of 1280 x 720 pixels with 4 x 4 texels
 
-// The texel as it is displayed: a surface as a whole one, whatever else its samples saw; a
-// program's texel as it is.
-glm::u8vec4 displayed(const DepthImage& picture, const SkyRays& rays, const Sky& sky, int x, int y,
-                      bool whole) {
-  const glm::vec4& color = picture.color(x, y);
-  glm::vec3 linear(color);
-  if (color.a > 0 && whole)
-    linear += (1 - color.a) * rays.radiance(sky, x, picture.camera.height - 1 - y);
-  else if (!picture.covered(x, y))
-    linear = rays.radiance(sky, x, picture.camera.height - 1 - y);
-  else if (color.a > 0)
-    linear /= color.a;
-  glm::u8vec4 bytes(0, 0, 0, 255);
-  for (int c = 0; c < 3; ++c)
-    bytes[c] = std::uint8_t(std::lround(255 * srgb_from_linear(std::clamp(linear[c], 0.0f, 1.0f))));
-  return bytes;
-}
-
-// Means of side x side texels, from row `first` of the frame on; and depths.
-void average_into(const DepthImage& picture, const Sky& sky, bool whole, int side, int first,
-                  Rgba8Image& frame, std::vector<float>& depths) {
+// As it is displayed: a surface's texel as a whole one, whatever else its samples saw; a program's
+// texel as it is.
+Rgba8Image displayed(DepthImage& picture, const Sky& sky, bool by_program) {
   const SkyRays rays(picture.camera);
-  const int rows = picture.camera.height / side;
-  parallel_for(0, rows, [&](int y) {
-    for (int x = 0; x < frame.width(); ++x) {
-      glm::ivec4 sum(0);
-      for (int j = 0; j < side; ++j)
-        for (int i = 0; i < side; ++i)
-          sum += glm::ivec4(displayed(picture, rays, sky, x * side + i, y * side + j, whole));
-      frame(x, first + y) = glm::u8vec4((sum + side * side / 2) / (side * side));
+  const int height = picture.camera.height;
+  parallel_for(0, height, [&](int y) {
+    for (int x = 0; x < picture.camera.width; ++x) {
+      glm::vec4& color = picture.color(x, y);
+      const auto behind = [&] { return rays.radiance(sky, x, height - 1 - y); };
+      glm::vec3 light(color);
+      if (color.a > 0 && by_program)
+        light += (1 - color.a) * behind();
+      else if (!picture.covered(x, y))
+        light = behind();
+      else if (color.a > 0)
+        light /= color.a;
+      color = glm::vec4(light, 1);
     }
   });
-  for (int y = 0; y < rows; ++y)
-    for (int x = 0; x < frame.width(); ++x)
-      if (picture.covered(x * side, y * side)) depths.push_back(picture.depth(x * side, y * side));
+  return srgb8_from_linear(picture.color);
 }
 
 glm::u8vec4 bilinear(const Rgba8Image& frame, double x, double y) {
@@ -91,9 +76,12 @@ Result<TracedFrame> TracedFrames::frame(const Camera& camera) const {
         side_);
     request.samples = samples_;
     request.with_sky = by_program_;
-    const Result<CapturedPicture> strip = source_->capture(request);
+    Result<CapturedPicture> strip = source_->capture(request);
     if (!strip) return strip.error();
-    average_into(strip->picture, scene_->sky, by_program_, side_, first, made.color, depths);
+    DepthImage& picture = strip->picture;
+    average_into(displayed(picture, scene_->sky, by_program_), side_, 0, first, made.color);
+    for (const float depth : picture.depth.texels())
+      if (depth != kNoDepth) depths.push_back(depth);
   }
   if (!depths.empty()) {
     const auto middle = depths.begin() + std::ptrdiff_t(depths.size() / 2);

@@ -42,7 +42,8 @@ Camera part_of(const Camera& frame, int across, int down, int parts) {
   return supersampled(camera_of_part(frame, across * columns, down * rows, columns, rows), parts);
 }
 
-// The means of parts x parts pixels of `part` from (x0, y0) of the frame on.
+}  // namespace
+
 void average_into(const Rgba8Image& part, int parts, int x0, int y0, Rgba8Image& frame) {
   const int count = parts * parts;
   const int columns = std::min(part.width() / parts, frame.width() - x0),
@@ -55,8 +56,6 @@ void average_into(const Rgba8Image& part, int parts, int x0, int y0, Rgba8Image&
       frame(x0 + x, y0 + y) = glm::u8vec4((sum + count / 2) / count);
     }
 }
-
-}  // namespace
 
 bool can_reference(int samples, int source_samples) {
   for (int parts = 1; parts <= kMostParts; ++parts)

@@ -27,6 +27,10 @@ struct ReferenceOptions {
 // Can a source with so many samples a pixel make a reference with that many?
 [[nodiscard]] bool can_reference(int samples, int source_samples);
 
+// The means of parts x parts pixels of `part`, as displayed bytes, into those of `frame` from
+// (x0, y0) on.
+void average_into(const Rgba8Image& part, int parts, int x0, int y0, Rgba8Image& frame);
+
 // Makes true frames.
 class ReferenceFrames {
  public:
