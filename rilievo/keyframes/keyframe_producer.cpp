@@ -80,9 +80,9 @@ KeyframeProducer::~KeyframeProducer() { stop_.request_stop(); }
 
 // Of a fine keyframe.
 Camera KeyframeProducer::camera_with(const Camera& frame, KeyframeMargin margin) const {
-  return keyframe_camera(frame, margin, 1,
-                         makes_quarters(options_.samples, false) ? Keyframe::kMostRowsWithQuarters
-                                                                 : Keyframe::kMostRows);
+  return keyframe_camera(
+      frame, margin, 1,
+      makes_quarters(options_.samples) ? Keyframe::kMostRowsWithQuarters : Keyframe::kMostRows);
 }
 
 // An eye's view, as the last frame's.
@@ -133,7 +133,7 @@ void KeyframeProducer::keep_memory(Keyframe keyframe) {
 void KeyframeProducer::add_spare() {
   resize(spare_.emplace_back(),
          camera_with(frame_, {options_.margin * kTurningMargin, options_.margin}),
-         makes_quarters(options_.samples, false));
+         makes_quarters(options_.samples));
 }
 
 void KeyframeProducer::reserve(const Camera& camera, double time) {
@@ -483,7 +483,7 @@ double KeyframeProducer::frame_ms() const {
   const Camera key = camera_with(frame_, margin());
   const double pixels = double(frame_.width) * frame_.height;
   const double texels = double(key.width) * key.height;
-  const int shaded = makes_quarters(options_.samples, false) ? 4 : 1;
+  const int shaded = makes_quarters(options_.samples) ? 4 : 1;
   return visibility_ms_ * std::sqrt(pixels / texels) + shading_ms_ * pixels / (texels * shaded);
 }
 

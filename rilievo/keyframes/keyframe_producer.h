@@ -165,10 +165,10 @@ class KeyframeProducer {
   bool ordered_ = false;  // a keyframe was, and its end was not yet seen
   int waited_ = 0, frames_for_one_ = 60;
   double beside_ms_ = 0;
-  bool sharp_beside_ = false;  // it is a whole one, of an eye that stands
-  Camera ordered_view_;        // that eye's, of a whole one
-  bool after_stop_ = false;
-  double texel_ms_ = 0;  // of the last one; 0: none was complete
+  bool sharp_beside_ = false;  // the keyframe is a whole one, of an eye that stands
+  Camera ordered_view_;        // the view for which it is made, as a whole one has it
+  bool after_stop_ = false;    // the one before was stopped: its source may work on
+  double texel_ms_ = 0;        // of the last one; 0: none was complete
   std::optional<Error> failed_;
   std::stop_source stop_;
   CaptureControl control_;

@@ -47,7 +47,7 @@ struct KeyframeRequest {
 };
 
 // Do its texels have quarters? Those of so many samples have, but for whole ones.
-[[nodiscard]] inline bool makes_quarters(int samples, bool whole_texels) {
+[[nodiscard]] inline bool makes_quarters(int samples, bool whole_texels = false) {
   return samples == 16 || (samples == 4 && !whole_texels);
 }
 

@@ -36,7 +36,7 @@ enum class LightOf {
 struct LitOptions {
   LightOf light = LightOf::scene;
   int samples = 0;  // of the light, a texel; 0: as many as are asked for
-  // May the light show nothing at most of the surfaces?
+  // Otherwise a capture fails if the light shows nothing at more than half of the surfaces' texels.
   bool may_miss = false;
   // Of a program's pictures from all around, which show what a picture's own side does not see; 0:
   // as many as of that.
