@@ -13,6 +13,7 @@
 #include "apps/rilievo/capture.h"
 #include "apps/rilievo/frame_options.h"
 #include "apps/rilievo/output.h"
+#include "apps/rilievo/program_scene.h"
 #include "apps/rilievo/progress.h"
 #include "rilievo/capture/gl/opengl_source.h"
 #include "rilievo/capture/late_source.h"
@@ -24,11 +25,9 @@
 #include "rilievo/capture/shaders/ray_tracer.h"
 #include "rilievo/capture/shaders/software_shader.h"
 #include "rilievo/capture/store/content_hash.h"
-#include "rilievo/core/scratch_folder.h"
 #include "rilievo/gl/context.h"
 #include "rilievo/render/rays/ray_scene.h"
 #include "rilievo/scene/builtin/builtin.h"
-#include "rilievo/scene/files/save_glb.h"
 
 namespace rilievo::app {
 namespace {
@@ -94,7 +93,7 @@ struct BakeSource::State {
   std::optional<PlacedScene> placed;
   std::optional<RayScene> rays, with_glass;
   std::unique_ptr<CaptureSource> geometry;  // of slow sources
-  ScratchFolder scratch;
+  ProgramScene program_scene;
   std::unique_ptr<CaptureSource> light;
   KeptOptions kept;
   std::unique_ptr<KeptSource> keeping;
@@ -154,17 +153,15 @@ Result<> BakeSource::open_slow(State& state, const std::string& scene, const Fil
     for (const Object& object : own.objects) exec.object_names.push_back(object.name);
     exec.warn = [](const std::string& text) { complain("warning: " + text); };
     std::string opens = options.program_scene.empty() ? scene : options.program_scene;
-    const bool other_axes = limits.up || limits.metres_per_unit;
-    if (options.program_scene.empty() && (is_builtin(scene) || (ours && other_axes))) {
-      // As we have it: metres, y up.
-      Result<ScratchFolder> folder = ScratchFolder::create("rilievo-bake");
-      if (!folder) return folder.error();
-      state.scratch = *std::move(folder);
-      opens = (state.scratch.path() / "scene.glb").string();
-      if (Result<> saved = save_glb(own, opens); !saved) return saved;
-    } else {
-      if (Result<> read = add_file(content, opens); !read) return read;
+    if (options.program_scene.empty() && ours) {
+      Result<ProgramScene> made = ProgramScene::create(scene, limits, own);
+      if (!made) return made.error();
+      state.program_scene = *std::move(made);
+      opens = state.program_scene.file();
     }
+    // What is written is `own`, whose hash is there.
+    if (!state.program_scene.written())
+      if (Result<> read = add_file(content, opens); !read) return read;
     exec.arguments = {opens};
     // A script is part of what its pictures depend on.
     if (program.find('/') != program.npos && std::filesystem::is_regular_file(program))

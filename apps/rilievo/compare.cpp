@@ -20,6 +20,7 @@
 #include "apps/rilievo/methods.h"
 #include "apps/rilievo/output.h"
 #include "apps/rilievo/picture_file.h"
+#include "apps/rilievo/program_scene.h"
 #include "apps/rilievo/progress.h"
 #include "apps/rilievo/scene_file.h"
 #include "rilievo/cache/plan/policy.h"
@@ -206,7 +207,9 @@ Result<> run_compare(CompareCommand options) {
   const Result<FramePlan> plan = plan_frames(options.frames, *opened);
   if (!plan) return plan.error();
   set_eyes(*plan, options.method_options);
-  set_program_scene(options.scene, options.limits, options.method_options);
+  const Result<ProgramScene> program =
+      ProgramScene::create(options.scene, options.limits, opened->scene, options.method_options);
+  if (!program) return program.error();
   options.method_options.impostors.background = options.real_time;
   options.method_options.by_clock = options.method_options.by_clock || options.real_time;
   Stages stages(opened->scene, options.frames.samples, &opened->deformations);

@@ -55,12 +55,6 @@ std::string default_method(const MethodOptions& options) {
   return options.bake_mb > 0 || options.levels ? "cache" : std::string(kAutoName);
 }
 
-void set_program_scene(const std::string& scene, const FileLimits& limits, MethodOptions& options) {
-  if (!options.program_scene.empty() || is_builtin(scene) || limits.up || limits.metres_per_unit)
-    return;
-  options.program_scene = scene;
-}
-
 CLI::Validator known_method() {
   return CLI::Validator(
       [](std::string& name) {

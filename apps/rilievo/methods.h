@@ -21,9 +21,6 @@ namespace rilievo::app {
 [[nodiscard]] bool is_method(const std::string& name);
 // The method of `render` and `view` if none is asked for: `auto`, or the cache where it is to bake.
 [[nodiscard]] std::string default_method(const MethodOptions& options);
-// A program of --source opens the scene's file, unless --program-scene names another, or the file
-// is not what frames show: a built-in scene has none, and --up and --units change it.
-void set_program_scene(const std::string& scene, const FileLimits& limits, MethodOptions& options);
 // For CLI options that take one or several methods.
 [[nodiscard]] CLI::Validator known_method();
 

@@ -17,6 +17,7 @@
 #include "apps/rilievo/methods.h"
 #include "apps/rilievo/output.h"
 #include "apps/rilievo/picture_file.h"
+#include "apps/rilievo/program_scene.h"
 #include "apps/rilievo/progress.h"
 #include "apps/rilievo/scene_file.h"
 #include "rilievo/core/stopwatch.h"
@@ -192,7 +193,9 @@ Result<> render_scene(const RenderCommand& options) {
   if (!plan) return plan.error();
   MethodOptions methods = options.methods;
   set_eyes(*plan, methods);
-  set_program_scene(options.scene, options.limits, methods);
+  const Result<ProgramScene> program =
+      ProgramScene::create(options.scene, options.limits, opened->scene, methods);
+  if (!program) return program.error();
   const Result<std::unique_ptr<gl::Context>> context =
       open_opengl({&options.method, 1}, options.frames.samples, methods);
   if (!context) return context.error();

@@ -15,6 +15,7 @@
 #include "apps/rilievo/frame_options.h"
 #include "apps/rilievo/output.h"
 #include "apps/rilievo/picture_file.h"
+#include "apps/rilievo/program_scene.h"
 #include "apps/rilievo/scene_file.h"
 #include "apps/rilievo/view_state.h"
 #include "apps/rilievo/window.h"
@@ -313,9 +314,13 @@ Result<> view_scene(const ViewCommand& options) {
   subject.moves = opened->scene.duration > 0 || !opened->deformations.meshes.empty();
   for (const std::string& name : method_names())
     if (name != first) subject.methods.push_back(name);
+  MethodOptions with = options.methods;
+  const Result<ProgramScene> program =
+      ProgramScene::create(options.scene, options.limits, opened->scene, with);
+  if (!program) return program.error();
   subject.make = [&](const std::string& method, MethodOptions methods) {
     set_eyes(*plan, methods);
-    set_program_scene(options.scene, options.limits, methods);
+    methods.program_scene = with.program_scene;
     methods.impostors.background = true;
     return stage.make(method, methods);
   };

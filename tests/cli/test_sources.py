@@ -233,12 +233,18 @@ class Sources(Case):
         glb = self.folder / "stones.glb"
         self.succeeds("scene", STONES, "-o", glb)
         own = self.write("own.blend", "a scene of the program's")
-        for arguments, scene, opens in (((), glb, f"opens {glb}"), (("--program-scene", own), glb, f"opens {own}"),
-                                        ((), STONES, "opens ")):
+        # A built-in one, and one on other axes, are written for it, and gone with it.
+        for arguments, scene, opens in (((), glb, glb), (("--program-scene", own), glb, own), ((), STONES, None),
+                                        (("--up", "z", "--units", "cm"), glb, None)):
             self.log.unlink(missing_ok=True)
             self.succeeds("render", scene, "--method", "keyframes", "--source", self.exec, *arguments, "--size",
                           "64x48", "--frames", "1", "--draw", "software", "-o", self.folder / "frames")
-            self.assertEqual(self.log.read_text().splitlines()[0], opens)
+            opened = self.log.read_text().splitlines()[0].removeprefix("opens ")
+            if opens:
+                self.assertEqual(opened, str(opens))
+            else:
+                self.assertTrue(opened.endswith("/scene.glb"), opened)
+                self.assertFalse(pathlib.Path(opened).exists())
 
     def test_a_programs_own_scene_has_depth_along_what_two_pictures_tell(self):
         own = self.write("own.blend", "a scene of the program's")
