@@ -24,6 +24,7 @@
 #include "bench/traced_frame.h"
 #include "rilievo/capture/shaders/software_shader.h"
 #include "rilievo/compare/real_time.h"
+#include "rilievo/core/idle_thread.h"
 #include "rilievo/keyframes/software/keyframe_frames.h"
 #include "rilievo/measure/flip.h"
 #include "rilievo/measure/psnr.h"
@@ -113,7 +114,7 @@ Result<std::unique_ptr<KeyframeFrames>> make_frames(const Scene& scene, const st
       scene,
       [&](const RayScene& rays) {
         ShaderInput input;
-        input.rays = &rays, input.exec.world = scene.world;
+        input.rays = &rays, input.exec.world = scene.world, input.exec.nice = kIdleNice;
         return make_slow_source(source, input);
       },
       options);

@@ -10,8 +10,7 @@
 namespace rilievo {
 namespace {
 
-// Nice values: a weight of 15 beside a frame's worker of 1024; and as much as a worker.
-constexpr int kIdle = 19, kHurry = 0;
+constexpr int kHurryNice = 0;  // as much as a worker
 
 }  // namespace
 
@@ -28,7 +27,7 @@ IdleThread::~IdleThread() {
 
 void IdleThread::work(bool hurry) {
   // Of this thread alone, as Linux has it. If it is refused, work is as fast as frames' work.
-  (void)setpriority(PRIO_PROCESS, 0, hurry ? kHurry : kIdle);
+  (void)setpriority(PRIO_PROCESS, 0, hurry ? kHurryNice : kIdleNice);
   const OnThisThread alone;
   // Libraries that use TBB themselves, as Embree does, get no other thread either.
   tbb::task_arena one(1);

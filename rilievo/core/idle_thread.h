@@ -14,6 +14,9 @@
 
 namespace rilievo {
 
+// The nice value of such work, programs too: a weight of 15 beside 1024 of a frame's worker.
+inline constexpr int kIdleNice = 19;
+
 // Runs tasks one after the other, in their order.
 class IdleThread {
  public:

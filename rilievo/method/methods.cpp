@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "rilievo/capture/shaders/software_shader.h"
+#include "rilievo/core/idle_thread.h"
 #include "rilievo/frame/software/software_frames.h"
 #include "rilievo/keyframes/software/keyframe_frames.h"
 #include "rilievo/method/auto.h"
@@ -99,6 +100,7 @@ Result<Method> make_keyframes(const MethodOptions& options, Backend& backend) {
       input.rays = &rays;
       input.exec.world = rays.scene().world;
       if (!options.program_scene.empty()) input.exec.arguments = {options.program_scene};
+      if (options.by_clock) input.exec.nice = kIdleNice;
       input.exec.warn = options.warn;
       input.exec.waits = options.waits;
       return make_slow_source(options.source, input);

@@ -246,6 +246,15 @@ class Sources(Case):
                 self.assertTrue(opened.endswith("/scene.glb"), opened)
                 self.assertFalse(pathlib.Path(opened).exists())
 
+    def test_a_program_beside_frames_gives_way_to_them(self):
+        heard = self.folder / "nice"
+        gives_way = self.write("gives_way.sh", f"#!/bin/sh\nnice > '{heard}'\nexec '{self.program}' \"$@\"\n")
+        gives_way.chmod(0o755)
+        for arguments, nice in (((), os.nice(0)), (("--by-clock",), 19)):
+            self.succeeds("render", STONES, "--method", "keyframes", "--source", f"exec:{gives_way}", *arguments,
+                          "--size", "64x48", "--frames", "1", "--draw", "software", "-o", self.folder / "frames")
+            self.assertEqual(int(heard.read_text()), nice)
+
     def test_a_programs_own_scene_has_depth_along_what_two_pictures_tell(self):
         own = self.write("own.blend", "a scene of the program's")
         sizes = {}
