@@ -3,16 +3,22 @@
 #include <time.h>
 
 #include <algorithm>
+#include <cmath>
 
+#include "rilievo/core/box_view.h"
+#include "rilievo/keyframes/warp_keyframes.h"
 #include "rilievo/method/frame_load.h"
 #include "rilievo/method/good_enough.h"
-#include "rilievo/render/placed_scene.h"
 
 namespace rilievo {
 namespace {
 
 // Of what was seen of other frames, when one is added: it is added seldom, and the eye goes on.
 constexpr double kRememberedFrames = 0.8;
+// Pixels around the bounds of what moves: pictures are filtered, and may be a pixel off.
+constexpr double kAroundMoving = 2;
+constexpr glm::u8vec4 kCovered{kCoveredPixel & 255, kCoveredPixel >> 8 & 255,
+                               kCoveredPixel >> 16 & 255, kCoveredPixel >> 24};
 
 // The processor time of this thread.
 double thread_ms() {
@@ -32,6 +38,29 @@ void FrameLoss::add(const Camera& camera, std::span<const std::uint32_t> objects
 
 std::optional<double> FrameLoss::db() const {
   return loss_.known() ? std::optional(without_own_noise(loss_.loss_db())) : std::nullopt;
+}
+
+void leave_out_moving(const PlacedScene& placed, ShownFrame& shown) {
+  const glm::dmat4 eye = eye_from_world(shown.camera);
+  const auto leaves = [&](std::uint32_t object) {
+    if (!placed.scene().objects[object].moving) return false;
+    const Box& bounds = placed.bounds()[object];
+    if (bounds.empty()) return true;
+    const RasterRect rect =
+        rect_of_box(shown.camera, view_of_box(eye, bounds, shown.camera.projection));
+    const auto within = [](double at, int size) { return int(std::clamp(at, 0.0, double(size))); };
+    const int left = within(std::floor(rect.left - kAroundMoving), shown.color.width()),
+              right = within(std::ceil(rect.right + kAroundMoving), shown.color.width()),
+              top = within(std::floor(rect.top - kAroundMoving), shown.color.height()),
+              bottom = within(std::ceil(rect.bottom + kAroundMoving), shown.color.height());
+    for (int y = top; y < bottom && left < right; ++y) {
+      const std::span row =
+          shown.color.row(y).subspan(std::size_t(left), std::size_t(right - left));
+      std::fill(row.begin(), row.end(), kCovered);
+    }
+    return true;
+  };
+  std::erase_if(shown.in_view, leaves);
 }
 
 Result<> begin_audition(const ShownFrame& shown, FrameSource& frames) {

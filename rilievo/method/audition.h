@@ -12,6 +12,7 @@
 #include "rilievo/core/result.h"
 #include "rilievo/frame/frame_source.h"
 #include "rilievo/keyframes/software/sampled_loss.h"
+#include "rilievo/render/placed_scene.h"
 #include "rilievo/render/rays/ray_scene.h"
 #include "rilievo/render/rays/ray_visibility.h"
 
@@ -49,6 +50,10 @@ struct ShownFrame {
   bool by_cache = false;
 };
 
+// Leaves out what moves: rays have it where it began. The pixels in which it may be seen count as
+// direct drawing's of what is left. `placed`, of the scene of the rays, is of the frame's moment.
+void leave_out_moving(const PlacedScene& placed, ShownFrame& shown);
+
 // What was found.
 struct Audition {
   std::optional<double> loss_db, cache_loss_db;  // none: not known
@@ -56,8 +61,9 @@ struct Audition {
 };
 
 // So many times the pixels of SampledLoss are looked at in one frame; and so many times as many, at
-// most, where these show too little but the sky.
-inline constexpr int kAuditionLosses = 16, kMostAuditions = 4;
+// most, where these show too little but the sky. A few hundred pixels hold most of the error, so
+// that of half as many the loss goes to and fro by 1 dB.
+inline constexpr int kAuditionLosses = 32, kMostAuditions = 2;
 
 // The loss of a frame that is shown, in these colours, and of no other. None: it shows too little.
 [[nodiscard]] std::optional<double> audition_loss(const ShownFrame& shown, const Rgba8Image& color,

@@ -10,6 +10,7 @@
 #include "rilievo/frame/software/software_backend.h"
 #include "rilievo/method/darker_test_helpers.h"
 #include "rilievo/method/method.h"
+#include "rilievo/render/placed_scene.h"
 #include "rilievo/render/software/software_target.h"
 #include "rilievo/scene/builtin/builtin.h"
 
@@ -54,7 +55,7 @@ TEST_F(AuditionTest, direct_drawing_loses_nothing_and_a_darker_frame_much) {
   const std::optional<double> own = audition_loss(frame, frame.color, *loss_),
                               dark = audition_loss(frame, darker(frame.color, 40), *loss_);
   ASSERT_TRUE(own && dark);
-  // 4096 pixels: their noise.
+  // 8192 pixels: their noise.
   EXPECT_LT(*own, 0.5);
   EXPECT_GT(*dark, 8);
 }
@@ -84,6 +85,62 @@ TEST_F(AuditionTest, the_cache_is_judged_where_it_was_shown_and_leaves_nothing) 
   EXPECT_TRUE(cache_loss(frame, &*loss_));
   EXPECT_FALSE(cache_loss(frame, nullptr));
   EXPECT_FALSE(loss_->db());
+}
+
+// Against frames with and without what moves: no pixel that shows it is looked at.
+TEST_F(AuditionTest, what_moves_is_left_out_and_what_else_is_wrong_is_found) {
+  auto built = make_builtin("builtin:bridge?triangles=100000");
+  ASSERT_TRUE(built.ok());
+  constexpr double kTime = 4.5;
+  scene_ = std::move(built->scene);
+  Result<RayScene> rays = RayScene::create(scene_);
+  ASSERT_TRUE(rays.ok());
+  FrameLoss loss(std::move(*rays));
+  SoftwareBackend backend(scene_, 4);
+  const Result<Method> direct = make_method("direct-raster", {}, backend);
+  ASSERT_TRUE(direct.ok());
+  PlacedScene placed(scene_);
+  placed.set_time(kTime);
+  Scene still = scene_;
+  std::erase_if(still.objects, [](const Object& object) { return object.moving; });
+  finish(still);
+  SoftwareBackend still_backend(still, 4);
+  const Result<Method> still_direct = make_method("direct-raster", {}, still_backend);
+  ASSERT_TRUE(still_direct.ok());
+  for (const int i : {0, 60, 120}) {
+    ShownFrame frame;
+    frame.camera = camera_at(built->path, frame_time(built->path, i), 320, 180);
+    frame.by_cache = true;
+    placed.cull(frame.camera, frame.in_view);
+    ASSERT_TRUE(direct->frames->draw(frame.camera, kTime).ok());
+    frame.color = direct->frames->software_target()->color();
+    const Rgba8Image with = frame.color;
+    ASSERT_TRUE(still_direct->frames->draw(frame.camera, 0).ok());
+    const Rgba8Image& without = still_direct->frames->software_target()->color();
+    const std::optional<double> moved = cache_loss(frame, &loss);
+    leave_out_moving(placed, frame);
+    for (const std::uint32_t object : frame.in_view) EXPECT_FALSE(scene_.objects[object].moving);
+    int covered = 0, moving = 0;
+    for (std::size_t k = 0; k < with.texels().size(); ++k) {
+      const bool left_out = frame.color.texels()[k] == glm::u8vec4(0, 0, 0, 1);
+      covered += left_out;
+      if (with.texels()[k] == without.texels()[k]) continue;
+      EXPECT_TRUE(left_out) << k;
+      ++moving;
+    }
+    EXPECT_GT(moving, 100);
+    EXPECT_LT(covered, 12 * moving);
+    const std::optional<double> own = cache_loss(frame, &loss);
+    ShownFrame dark = frame;
+    dark.color = darker(with, 40);
+    placed.cull(dark.camera, dark.in_view);
+    leave_out_moving(placed, dark);
+    const std::optional<double> wrong = cache_loss(dark, &loss);
+    ASSERT_TRUE(moved && own && wrong);
+    EXPECT_LT(*own, 0.5);
+    EXPECT_GT(*moved, 3);
+    EXPECT_GT(*wrong, 8);
+  }
 }
 
 // Keyframes would take an eye that is the same in two frames to stand.

@@ -15,8 +15,9 @@ constexpr int kParts = 3;
 constexpr int kMostFrames = 160;
 // Steps after which those of long ago count for nothing.
 constexpr int kSettles = 48;
-// So many times SampledLoss looks ahead.
-constexpr int kLooks = 8;
+// So many times SampledLoss looks ahead: as often as at a frame, since the larger loss counts,
+// which of noise alone would be too large.
+constexpr int kLooks = kAuditionLosses;
 // A frame and what it makes of keyframes take so many times the usual time; and so much they make
 // in a frame that takes that alone.
 constexpr double kWithKeyframes = 1.4, kLeastForKeyframes = 0.15;
@@ -106,10 +107,11 @@ std::optional<double> loss_of(KeyframeFrames& frames) {
   return sampled ? std::optional(without_own_noise(*sampled)) : std::nullopt;
 }
 
-Audition audition_keyframes(const ShownFrame& shown, const EyePrediction& eye, FrameLoss* loss,
+Audition audition_keyframes(const ShownFrame& shown, const EyePrediction& eye,
                             KeyframeFrames& frames) {
   Audition found;
-  found.cache_loss_db = cache_loss(shown, loss);
+  FrameLoss of_cache(&frames.rays());
+  found.cache_loss_db = cache_loss(shown, &of_cache);
   if (!begin_audition(shown, frames)) return found;
   const Result<double> ms = time_audition(shown, frames);
   if (!ms) return found;

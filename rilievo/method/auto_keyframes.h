@@ -70,8 +70,8 @@ void follow_way(const EyePrediction& eye, double time, KeyframeFrames& frames);
 [[nodiscard]] std::optional<double> loss_of(KeyframeFrames& frames);
 
 // Draws a frame for the eye of the one that is shown, and looks ahead, too: the larger loss counts.
-// `loss`, of the same scene, may be null: then it is not known how good the cache is.
+// How good the cache is the same rays say: what moves must be left out of `shown`.
 [[nodiscard]] Audition audition_keyframes(const ShownFrame& shown, const EyePrediction& eye,
-                                          FrameLoss* loss, KeyframeFrames& frames);
+                                          KeyframeFrames& frames);
 
 }  // namespace rilievo

@@ -54,8 +54,8 @@ void AutoFrames::prepare(int method, const Camera& camera, double time) {
   made_.by_frames = method == kKeyframes && hurry;
   if (!beside_ || hurries_ != hurry) beside_.emplace(hurries_ = hurry);
   const Scene& scene = (*software)->scene();
-  // What moves is not where the rays' scene has it.
-  const bool measures = method != kRays && meshes_triangles_ <= kMostForLoss && !moves_;
+  // What moves is not where the rays' scene has it. Keyframes have rays of their own.
+  const bool measures = method == kLevels && meshes_triangles_ <= kMostForLoss && !moves_;
   const double pixels = double(width_) * height_;
   beside_->run([this, method, &scene, measures, pixels, camera, time, error_px = options_.error_px,
                 width = width_, height = height_] {
@@ -125,6 +125,7 @@ void AutoFrames::show(const Camera& camera, double time, int drawn_by) {
   shown.before = as_large_as_shown(camera) ? shown_camera_ : camera;
   made_.eye = eye_;
   backend_.placed().cull(camera, shown.in_view);
+  if (preparing_ == kKeyframes) leave_out_moving(backend_.placed(), shown);
   look_at_prepared();
 }
 
@@ -138,7 +139,7 @@ void AutoFrames::look_at_prepared() {
         if (method == kLevels)
           made_.found = audition_levels(shown, error_px, loss_db, losses_.get(), made_.levels);
         if (method == kKeyframes)
-          made_.found = audition_keyframes(shown, made_.eye, losses_.get(), *prepared_keyframes());
+          made_.found = audition_keyframes(shown, made_.eye, *prepared_keyframes());
         prepared_ = true;
       });
 }
