@@ -62,6 +62,7 @@ void resize(Keyframe& keyframe, const Camera& camera, bool quarters) {
   const int width = camera.width, height = camera.height;
   keyframe.camera = camera;
   keyframe.left_out.clear(), keyframe.hidden.clear(), keyframe.shown.clear();
+  keyframe.light.cells.resize(0, 0);
   keyframe.color.resize(quarters ? 2 * width : width, quarters ? 2 * height : height);
   keyframe.inverse_z.resize(width, height);
   keyframe.object.resize(width, height);

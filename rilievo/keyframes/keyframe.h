@@ -7,6 +7,7 @@
 #pragma once
 
 #include <cstdint>
+#include <glm/glm.hpp>
 #include <span>
 #include <vector>
 
@@ -40,6 +41,18 @@ inline constexpr std::uint32_t kOwnParts = 2, kQuarterParts = kOwnParts + 4;
 // Of a texel without quarters.
 inline constexpr std::uint32_t kWholeTexel = quarter_code(Quarter::own, 4, 0);
 
+// A place of a keyframe's view, and the mean colour of one object there, linear: the keyframe's,
+// and the one that rays give it. kNoObject: neither.
+struct LightCell {
+  glm::vec3 source{0}, rays{0};
+  std::uint32_t object = kNoObject;  // as Keyframe's
+};
+// What its source knows of light (keyframes/keyframe_light.h); empty: no more than rays do.
+struct KeyframeLight {
+  Camera camera;  // a cell is a texel
+  Image<LightCell> cells;
+};
+
 // A keyframe. All images have the camera's size but that of the colours, which has twice that size
 // where each texel has four quarters.
 struct Keyframe {
@@ -60,6 +73,8 @@ struct Keyframe {
   std::vector<std::uint32_t> left_out, hidden;
   // Objects of which a texel shows something, ascending.
   std::vector<std::uint32_t> shown;
+
+  KeyframeLight light;
 
   [[nodiscard]] bool quarters() const { return color.width() > camera.width; }
 

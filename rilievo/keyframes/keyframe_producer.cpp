@@ -97,7 +97,8 @@ std::size_t KeyframeProducer::bytes() const {
   for (const std::vector<Keyframe>* list : {&ready_, &spare_})
     for (const Keyframe& key : *list)
       bytes += sizeof(std::uint32_t) * (key.color.texels().size() + key.object.texels().size()) +
-               sizeof(float) * key.inverse_z.texels().size();
+               sizeof(float) * key.inverse_z.texels().size() +
+               sizeof(LightCell) * key.light.cells.texels().size();
   return bytes;
 }
 
@@ -203,6 +204,7 @@ void KeyframeProducer::begin(const Camera& eye, double texels) {
   request.objects = objects_;
   request.samples = options_.samples;
   request.time = time_, request.sky = options_.sky;
+  request.light_rays = options_.light_rays;
   request.sharp = texels == 1 && stands_at(eye);
   if (near_) {
     near_->choose(request.camera, frame_);

@@ -41,7 +41,10 @@ struct KeyframeOptions {
   // Time of a frame for keyframes; more if one took over 32 frames, or if holes take more. 0: no
   // limit.
   double keyframe_ms = 0;
-  bool beside = false;       // keyframes are made beside the frames, each at once
+  bool beside = false;  // keyframes are made beside the frames, each at once
+  // Rays of the same scene, for the light of a source that knows more of it (keyframe_light.h);
+  // null: it does not. No one else may use it.
+  CaptureSource* light_rays = nullptr;
   const Sky* sky = nullptr;  // for sources that draw none; null: they do. See KeyframeRequest
 };
 

@@ -6,6 +6,7 @@
 #include "rilievo/core/expects.h"
 #include "rilievo/core/parallel_for.h"
 #include "rilievo/keyframes/join_quarters.h"
+#include "rilievo/keyframes/keyframe_light.h"
 #include "rilievo/render/shading/sky_rays.h"
 
 namespace rilievo {
@@ -208,13 +209,14 @@ Result<> KeyframeMaker::step(CaptureSource& source, int columns, const CaptureCo
   columns = std::max(columns, 1);
   if (by_parts_) {
     step_of_parts(columns);
-    return Done{};
+  } else {
+    // Bands are no wider than sources can capture.
+    const int most = keyframe_.quarters() ? kMostColumns : 2 * kMostColumns;
+    for (int left = (columns + kBand - 1) / kBand * kBand; left > 0 && busy(); left -= most)
+      if (Result<> done = step_of_bands(source, std::min(left, most), control); !done) return done;
   }
-  // Bands are no wider than sources can capture.
-  const int most = keyframe_.quarters() ? kMostColumns : 2 * kMostColumns;
-  for (int left = (columns + kBand - 1) / kBand * kBand; left > 0 && busy(); left -= most)
-    if (Result<> done = step_of_bands(source, std::min(left, most), control); !done) return done;
-  return Done{};
+  if (busy() || !request_.light_rays) return Done{};
+  return find_light(*request_.light_rays, objects_, request_.time, keyframe_);
 }
 
 void KeyframeMaker::start(CaptureSource& source, const CaptureControl* control) {

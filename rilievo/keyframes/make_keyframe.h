@@ -42,6 +42,8 @@ struct KeyframeRequest {
   // Drawn behind what a source captures that draws none of its own (such as the ray tracer), and
   // behind what covers a texel in part. Null: the source draws it.
   const Sky* sky = nullptr;
+  // Of the same scene: it gets Keyframe::light by them (keyframe_light.h). Null: none.
+  CaptureSource* light_rays = nullptr;
   // Objects of its view that are not among `objects` (Keyframe::left_out). Copied
   std::span<const std::uint32_t> left_out = {};
 };

@@ -69,7 +69,8 @@ struct KeyframeFrames::State {
   RaySource ray_source;
   std::optional<RasterSource> raster_source;
   std::unique_ptr<CaptureSource> own_source;
-  std::vector<bool> moves, polygon;  // by object
+  std::optional<RaySource> light_rays;  // for its light
+  std::vector<bool> moves, polygon;     // by object
   std::optional<NearObjects> near;
   UnshownObjects unshown;
   TornBlocks torn;
@@ -148,6 +149,7 @@ void KeyframeFrames::State::make_producer() {
   if (!source) source = &ray_source;
   if (!any_moves) objects.clear();  // all: sources leave out what they do not see
   scene_sky = !own_source || options.keyframes.sky;
+  if (own_source) options.keyframes.light_rays = &light_rays.emplace(rays);
   producer.emplace(*source, ray_source, options.keyframes, std::move(objects),
                    near ? &*near : nullptr);
 }
@@ -304,7 +306,7 @@ Result<> KeyframeFrames::draw(const Camera& camera, double time) {
   s.shares.direct = s.any_still && !s.warps;
   if (s.warps) {
     const Stopwatch watch;
-    s.keyframe_tiles.place(s.options.samples, s.still);
+    s.keyframe_tiles.place(s.options.samples, s.still, s.producer->chosen());
     s.shares.fill_ms += watch.ms();
     s.shares.filled = double(s.warped.holes()) / (double(camera.width) * camera.height);
     s.drawers.push_back(&s.keyframe_tiles);

@@ -3,11 +3,13 @@
 #include <tbb/enumerable_thread_specific.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <optional>
 
 #include "rilievo/core/expects.h"
 #include "rilievo/core/parallel_for.h"
+#include "rilievo/keyframes/keyframe_light.h"
 #include "rilievo/keyframes/software/hole_points.h"
 #include "rilievo/render/software/block_place.h"
 
@@ -44,6 +46,7 @@ struct KeyframeTiles::State {
   std::vector<FoundInHole> found;             // in the open holes
   mutable std::vector<std::uint32_t> colors;  // of these; 0: not shaded
   std::optional<ShadedScene> view;
+  Relight light;
   mutable tbb::enumerable_thread_specific<SeenTriangles> threads;
   SkyDrawer sky{*this};
 
@@ -73,6 +76,9 @@ struct KeyframeTiles::State {
   void fill(FrameTile& tile) const;
   void show_points(FrameTile& tile, std::size_t index) const;
   void cast_open(FrameTile& tile, std::size_t index) const;
+  // In the keyframes' light: the colour by rays of an open hole.
+  [[nodiscard]] std::uint32_t relit(const SeenTriangles::Pixel& seen, std::uint32_t hole,
+                                    std::uint32_t color) const;
 };
 
 KeyframeTiles::KeyframeTiles(const RayScene& rays, const TileDrawer& sky)
@@ -159,7 +165,8 @@ std::size_t KeyframeTiles::find_holes(const Camera& camera, const WarpedFrame& w
   return s.open.size();
 }
 
-void KeyframeTiles::place(int samples, std::span<const std::uint32_t> objects) {
+void KeyframeTiles::place(int samples, std::span<const std::uint32_t> objects,
+                          std::span<const WarpedKeyframe> keyframes) {
   State& s = *state_;
   const Camera& camera = s.camera;
   RILIEVO_EXPECTS(s.warped);
@@ -169,6 +176,7 @@ void KeyframeTiles::place(int samples, std::span<const std::uint32_t> objects) {
   // From now on there is something to take.
   s.colors.assign(s.uses_points ? s.open.size() : 0, 0);
   s.view.emplace(s.caster.view(camera, s.samples));
+  s.light.begin(keyframes, camera);
 }
 
 void KeyframeTiles::place_objects(const Image<std::uint32_t>& shown,
@@ -302,17 +310,29 @@ void KeyframeTiles::State::cast_open(FrameTile& tile, std::size_t index) const {
     }
   }
   if (!seen) return;
+  const auto open_of = [&](const TilePixel& at) {
+    return open_at[at.block * FrameTile::kBlockPixels + at.pixel];
+  };
   seen->shade(*view, [&](const SeenTriangles::Shaded& shaded) {
     std::uint32_t bytes[Surfaces::kMaxCount];
     premultiplied_bytes(shaded.surfaces, shaded.colors, bytes);
     for (std::size_t i = 0; i < shaded.pixels.size(); ++i) {
       const SeenTriangles::Pixel& pixel = shaded.pixels[i];
       const TilePixel at(tile, pixel.x, tile.height - 1 - pixel.y);
+      if (light.any()) bytes[i] = relit(pixel, open_of(at), bytes[i]);
       at.for_samples(tile, pixel.samples,
                      [&](FrameTile::Plane& plane) { plane.content[at.pixel] = bytes[i]; });
-      if (uses_points) colors[open_at[at.block * FrameTile::kBlockPixels + at.pixel]] = bytes[i];
+      if (uses_points) colors[open_of(at)] = bytes[i];
     }
   });
+}
+
+std::uint32_t KeyframeTiles::State::relit(const SeenTriangles::Pixel& seen, std::uint32_t hole,
+                                          std::uint32_t color) const {
+  const std::size_t sample = std::size_t(hole) * std::size_t(samples) +
+                             std::size_t(samples == 1 ? 0 : std::countr_zero(seen.samples));
+  return light.shown(float(open[hole].x) + 0.5f, float(open[hole].y) + 0.5f,
+                     caster.inverse_z()[sample], caster.object_of(seen.triangle), color);
 }
 
 void KeyframeTiles::draw_tile(FrameTile& tile) const {

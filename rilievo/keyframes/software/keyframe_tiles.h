@@ -31,8 +31,10 @@ class KeyframeTiles final : public TileDrawer {
   // live until the frame is drawn.
   std::size_t find_holes(const Camera& camera, const WarpedFrame& warped,
                          std::span<const std::uint32_t> objects, std::size_t most_fine);
-  // After find_holes() of this frame and the same `objects`: prepares colours with 1 or 4 samples.
-  void place(int samples, std::span<const std::uint32_t> objects);
+  // After find_holes() of this frame and the same `objects`: prepares colours with 1 or 4 samples,
+  // in the light of `keyframes`.
+  void place(int samples, std::span<const std::uint32_t> objects,
+             std::span<const WarpedKeyframe> keyframes);
   // After the colours: prepares identifiers, `shown` of what was warped, and what `objects` show in
   // holes.
   void place_objects(const Image<std::uint32_t>& shown, std::span<const std::uint32_t> objects);

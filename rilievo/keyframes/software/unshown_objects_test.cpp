@@ -13,15 +13,16 @@
 namespace rilievo {
 namespace {
 
-constexpr int kAcross = 96, kDown = 64;
+constexpr int kViewWidth = 96, kViewHeight = 64;
 
 void add_box(Scene& scene, const glm::vec3& center, const glm::vec3& half) {
   test_shapes::add(scene, test_shapes::box(half), {0.6f, 0.6f, 0.6f},
                    glm::translate(glm::mat4(1), center));
 }
 
-Camera eye_at(const glm::dvec3& eye) {
-  return look_at(eye, eye + glm::dvec3(0, 0, -1), {0, 1, 0}, 0.9, kAcross, kDown, 0.1, 100);
+Camera view_from(const glm::dvec3& eye) {
+  return look_at(eye, eye + glm::dvec3(0, 0, -1), {0, 1, 0}, 0.9, kViewWidth, kViewHeight, 0.1,
+                 100);
 }
 
 // Posts before many boxes before a wall.
@@ -46,9 +47,9 @@ std::set<std::uint32_t> objects_in(const Image<std::uint32_t>& identifiers) {
   return objects;
 }
 
-Keyframe keyframe_at(CaptureSource& source, const glm::dvec3& eye) {
+Keyframe keyframe_from(CaptureSource& source, const glm::dvec3& eye) {
   KeyframeRequest request;
-  request.camera = keyframe_camera(eye_at(eye), 1.2);
+  request.camera = keyframe_camera(view_from(eye), 1.2);
   request.samples = 1;
   return std::move(*make_keyframe(source, request));
 }
@@ -65,9 +66,10 @@ TEST(UnshownObjects, AreThoseThatTheFrameSeesAndNoKeyframe) {
     ASSERT_TRUE(rays.ok());
     RaySource source(*rays);
     const double way = random.between(0.2f, 1);
-    const Keyframe keys[] = {keyframe_at(source, {-way, 0, 0}), keyframe_at(source, {way, 0, 0})};
+    const Keyframe keys[] = {keyframe_from(source, {-way, 0, 0}),
+                             keyframe_from(source, {way, 0, 0})};
     const WarpedKeyframe warped_keys[] = {{&keys[0]}, {&keys[1]}};
-    const Camera frame = eye_at({way * double(random.between(-0.5f, 0.5f)), 0, 0});
+    const Camera frame = view_from({way * double(random.between(-0.5f, 0.5f)), 0, 0});
     WarpedFrame warped;
     warp_keyframes(warped_keys, frame, warped);
     std::vector<std::uint32_t> in_view;
@@ -99,8 +101,8 @@ TEST(UnshownObjects, AreThoseThatTheFrameSeesAndNoKeyframe) {
     for (const std::uint32_t object : seen) {
       if (shown.contains(object)) continue;
       int pixels = 0;
-      for (int y = 0; y < kDown; ++y)
-        for (int x = 0; x < kAcross; ++x)
+      for (int y = 0; y < kViewHeight; ++y)
+        for (int x = 0; x < kViewWidth; ++x)
           pixels += truth->picture.object(x, y) == object + 1 && !warped.hole(x, y) &&
                     warped.inverse_z(x, y) < 0.99f / truth->picture.depth(x, y);
       if (pixels < 24) continue;
@@ -129,16 +131,16 @@ TEST(UnshownObjects, AreFoundBehindWhereSomethingThatMovesBegan) {
   RaySource source(*rays);
   const std::uint32_t wall = 0;
   KeyframeRequest request;
-  request.camera = keyframe_camera(eye_at({0, 0, 0}), 1.2);
+  request.camera = keyframe_camera(view_from({0, 0, 0}), 1.2);
   request.samples = 1, request.objects = {&wall, 1};
   const Result<Keyframe> key = make_keyframe(source, request);
   ASSERT_TRUE(key.ok());
   const WarpedKeyframe warped_key{&*key};
   WarpedFrame warped;
-  warp_keyframes({&warped_key, 1}, eye_at({0, 0, 0}), warped);
+  warp_keyframes({&warped_key, 1}, view_from({0, 0, 0}), warped);
   UnshownObjects unshown(placed, *rays, 1e6);
   const std::uint32_t in_view[] = {0, 1};
-  (void)unshown.begin(eye_at({0, 0, 0}), {&warped_key, 1}, in_view);
+  (void)unshown.begin(view_from({0, 0, 0}), {&warped_key, 1}, in_view);
   const auto found = unshown.look(warped);
   ASSERT_EQ(found.size(), 1u);
   EXPECT_EQ(found[0], 1u);
@@ -152,12 +154,12 @@ TEST(UnshownObjects, AreThoseThatHaveGrown) {
   const Result<RayScene> rays = RayScene::create(scene);
   ASSERT_TRUE(rays.ok());
   RaySource source(*rays);
-  const Keyframe key = keyframe_at(source, {0, 0, 3});
+  const Keyframe key = keyframe_from(source, {0, 0, 3});
   const WarpedKeyframe warped_key{&key};
   UnshownObjects unshown(placed, *rays, 1e6), few(placed, *rays, 12);
   std::size_t most = 0;
   for (int i = 0; i < 40; ++i) {
-    const Camera frame = eye_at({0.02 * i, 0, 3 - 0.12 * i});
+    const Camera frame = view_from({0.02 * i, 0, 3 - 0.12 * i});
     std::vector<std::uint32_t> in_view, grown;
     placed.cull(frame, in_view);
     const auto distance = [&](std::uint32_t object, const glm::dvec3& eye) {
