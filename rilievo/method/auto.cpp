@@ -385,12 +385,15 @@ Result<> AutoFrames::draw(const Camera& camera, double time) {
   return Done{};
 }
 
-// During a trial of another they go on, as much as they must to be taken again: it may fail. Are
-// they as new as if they had drawn this frame?
+// During a trial of another, and for some frames after one of theirs, they go on, as much as they
+// must to be taken again. Are they as new as if they had drawn this frame?
 bool AutoFrames::keep_keyframes(const Camera& camera, double time, const AutoChoice& choice) {
-  if (choice.draws == kKeyframes || decision_->draws() != kKeyframes || !keyframes_ ||
-      preparing_ >= 0)
-    return false;
+  if (choice.draws == kKeyframes || !keyframes_ || preparing_ >= 0) return false;
+  const bool tried = decision_->draws() == kCache && outlook_[kKeyframes].ready &&
+                     outlook_[kKeyframes].good_enough &&
+                     kept_after_trial(frame_ - loss_[kKeyframes].seen_in, kCacheWarmsUp,
+                                      decision_->mean_ms(kKeyframes), decision_->drawn_ms());
+  if (decision_->draws() != kKeyframes && !tried) return false;
   if (frame_ - keyframes_seen_ >= kKeyframesLast - 3)
     return keyframes_->prepare(camera, time, false).ok();
   keyframes_->follow(camera, time);

@@ -23,6 +23,10 @@ constexpr int kLooks = kAuditionLosses;
 constexpr double kWithKeyframes = 1.4, kLeastForKeyframes = 0.15;
 // Keyframes take so little of a usual frame: two dozen usual ones would be slower than a walk.
 constexpr double kFarLess = 1 / 3.0;
+// What takes so many times as much, at most, may turn out to be cheaper; and the frames after a
+// warm-up until a decision is made.
+constexpr double kMayBeCheaper = 1.25;
+constexpr int kDecides = 8;
 
 }  // namespace
 
@@ -90,6 +94,10 @@ void follow_way(const EyePrediction& eye, double time, KeyframeFrames& frames) {
 double time_for_keyframes(double ms, double usual_ms, double polygons_ms, double keyframes_ms) {
   if (keyframes_ms < kFarLess * std::min(usual_ms, polygons_ms)) return KeyframeProducer::kAtOnce;
   return std::max(kWithKeyframes * usual_ms - ms, kLeastForKeyframes * usual_ms);
+}
+
+bool kept_after_trial(int frames, int warm_up, double keyframes_ms, double cache_ms) {
+  return frames <= warm_up + kDecides && keyframes_ms <= kMayBeCheaper * cache_ms;
 }
 
 Result<std::optional<double>> loss_ahead(const EyePrediction& eye, double time,

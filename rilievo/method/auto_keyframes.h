@@ -60,6 +60,12 @@ void follow_way(const EyePrediction& eye, double time, KeyframeFrames& frames);
 [[nodiscard]] double time_for_keyframes(double ms, double usual_ms, double polygons_ms,
                                         double keyframes_ms);
 
+// A trial of keyframes ended so many frames ago, and the cache, which warms up for `warm_up`
+// frames, draws again. Are they kept until it is known what it takes now? It was compared by what
+// it took before; where that was little less they may be the cheaper ones, and would have to be
+// made again.
+[[nodiscard]] bool kept_after_trial(int frames, int warm_up, double keyframes_ms, double cache_ms);
+
 // What is warped from keyframes loses where the eye will be when the next one is half complete, as
 // far as these show it; halfway both are the farthest. None: it is not known. Fails where memory
 // does not suffice.
