@@ -83,6 +83,8 @@ class AutoFrames final : public FrameSource {
     bool followed = false;                       // keyframes know how the eye moves
     bool jumped = false;                         // the eye did, since they were last told
     bool by_frames = false, first_seen = false;  // keyframes: frames make them; the first was seen
+    KeyframesDoubt doubt;                        // of those
+    bool given_up = false;
     Audition found;
   };
 

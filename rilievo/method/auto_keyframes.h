@@ -60,6 +60,18 @@ void follow_way(const EyePrediction& eye, double time, KeyframeFrames& frames);
 [[nodiscard]] double time_for_keyframes(double ms, double usual_ms, double polygons_ms,
                                         double keyframes_ms);
 
+// Are the first keyframes given up, which frames make parts of? Where what draws takes far less
+// than frames of keyframes would by their model, which may be off by half, for a dozen frames in a
+// row.
+class KeyframesDoubt {
+ public:
+  // After a frame of what draws, warm, whose frames take `drawn_ms`. Are they given up?
+  [[nodiscard]] bool add(double drawn_ms, double keyframes_ms);
+
+ private:
+  int frames_ = 0;
+};
+
 // A trial of keyframes ended so many frames ago, and the cache, which warms up for `warm_up`
 // frames, draws again. Are they kept until it is known what it takes now? It was compared by what
 // it took before; where that was little less they may be the cheaper ones, and would have to be

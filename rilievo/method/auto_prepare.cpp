@@ -84,6 +84,9 @@ void AutoFrames::make_part(const Camera& camera, double time, double ms) {
   if (preparing_ < 0) return;
   made_.jumped = made_.jumped || eye_.jumped();
   if (stage_ != Preparing::by_frames) return;
+  const bool warm = frame_ - begun_in_ > kCacheWarmsUp && decision_->drawn_ms() > 0;
+  made_.given_up = warm && made_.doubt.add(decision_->drawn_ms(), outlook_[kKeyframes].guess_ms);
+  if (made_.given_up) return;
   KeyframeFrames& frames = *prepared_keyframes();
   const double usual_ms = decision_->drawn_ms() > 0 ? decision_->drawn_ms() : ms;
   // After a jump they are of elsewhere.
@@ -149,7 +152,7 @@ Result<> AutoFrames::adopt() {
   if (preparing_ < 0 || !prepared_) return Done{};
   // What draws may have changed to what no software shows.
   if (stage_ == Preparing::shown && active_->software_target()) return Done{};
-  if (stage_ == Preparing::by_frames) return Done{};
+  if (stage_ == Preparing::by_frames && !made_.given_up) return Done{};
   beside_->wait();
   const auto most_db = kMostTimes * options_.loss_db;
   const bool first_refused =
