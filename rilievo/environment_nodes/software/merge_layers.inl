@@ -72,8 +72,9 @@ HWY_INLINE VF find_share(const PlacedNodes& placed, std::size_t k, VF x, VF y, V
   for (const VI row : v) {
     const VI first =
         hn::Mul(hn::Add(hn::Mul(at.face, hn::Set(i32, size)), row), hn::Set(i32, size));
-    for (const VI column : u)
-      nearest = hn::Max(nearest, hn::GatherIndex(f, node.disparity.data(), hn::Add(first, column)));
+    VF beside[2];
+    load_disparities(node, first, u, beside);
+    nearest = hn::Max(nearest, hn::Max(beside[0], beside[1]));
   }
   const VF farther =
       hn::Sub(hn::Div(one, hn::Max(hn::Mul(nearest, ahead), hn::Set(f, 1e-9f))), one);

@@ -96,6 +96,19 @@ HWY_INLINE Colors find_colors(const SoftwareNode& node, const TexelPoints& at) {
   return colors;
 }
 
+// A node's disparities at two columns of a row of a face, which starts at `row`: both at the same
+// texel, or beside each other.
+HWY_INLINE void load_disparities(const SoftwareNode& node, VI row, const VI (&column)[2],
+                                 VF (&out)[2]) {
+  const F f;
+  const I i32;
+  const VI left = hn::Min(column[0], hn::Set(i32, std::max(node.mesh.face_size - 2, 0)));
+  VF pair[2];
+  load_two(f, node.disparity.data(), i32, hn::Add(row, left), pair);
+  for (int k = 0; k < 2; ++k)
+    out[k] = hn::IfThenElse(hn::RebindMask(f, hn::Eq(column[k], left)), pair[0], pair[1]);
+}
+
 // The identifiers of a node's nearest texels.
 HWY_INLINE VU find_objects(const SoftwareNode& node, const TexelPoints& at) {
   const F f;

@@ -64,11 +64,13 @@ SoftwareNode make_memory_node(const EnvironmentMap& map, const NodeMesh& mesh) {
             word(faces[std::size_t(at.face)](texel_at(at.u, size), texel_at(at.v, size))));
       }
   }
+  node.disparity.reserve(6 * std::size_t(size) * std::size_t(size) + 1);
   for (const DepthImage& face : map.faces) {
     const Image<float> of_face = face_disparity(face);
     node.disparity.insert(node.disparity.end(), of_face.texels().begin(), of_face.texels().end());
   }
-  node.mesh.weights = {};  // they are in the colours
+  node.disparity.push_back(0);  // they are loaded in pairs
+  node.mesh.weights = {};       // they are in the colours
   if (map.faces[0].object.empty()) return node;
   for (const DepthImage& face : map.faces) {
     const std::span<const std::uint32_t> object = face.object.texels();

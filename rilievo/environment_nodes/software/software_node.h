@@ -22,7 +22,8 @@ struct SoftwareNode {
   // the highest byte, and faces of `wide` texels a side have a border of one texel from their
   // neighbours. No identifiers if the pictures have none.
   std::vector<std::uint32_t> color, object;
-  std::vector<float> disparity;  // 1 / eye_z of the face; 0 the sky, -1 nothing
+  // 1 / eye_z of the face; 0 the sky, -1 nothing; and one more.
+  std::vector<float> disparity;
 
   [[nodiscard]] glm::dvec3 eye() const { return glm::dvec3(mesh.world_from_node[3]); }
   [[nodiscard]] int wide() const { return mesh.face_size + 2; }

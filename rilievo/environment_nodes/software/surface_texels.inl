@@ -34,7 +34,7 @@ HWY_INLINE VF ahead_of(const Directions& seen) {
 // as deep: the others show what is beside a silhouette.
 struct SurfaceTexels {
   MF beside;     // a silhouette
-  VI color[4];   // where, in the node's colours
+  VI color[2];   // where the left ones are in the node's colours: upper, lower
   VI object[4];  // in its identifiers and disparities
   VF weight[4];  // 0: of another surface
 };
@@ -70,23 +70,30 @@ HWY_INLINE SurfaceTexels find_surface_texels(const PlacedNodes& placed, const No
   const VI last = hn::Set(i32, face - 1), none = hn::Zero(i32);
   VF off[4];
   VF least = hn::Set(f, 1e30f);
-  for (int c = 0; c < 4; ++c) {
-    const VI column = hn::Add(left, hn::Set(i32, c & 1)), row = hn::Add(top, hn::Set(i32, c >> 1));
+  // Disparities and identifiers have no border.
+  const auto inside = [&](VI index) {
+    return hn::Min(hn::Max(hn::Sub(index, hn::Set(i32, 1)), none), last);
+  };
+  const VI one_more = hn::Set(i32, 1);
+  const VI columns[2] = {inside(left), inside(hn::Add(left, one_more))};
+  for (int r = 0; r < 2; ++r) {
+    const VI row = r == 0 ? top : hn::Add(top, one_more);
     const VI first =
         hn::Mul(hn::Add(hn::Mul(point.face, hn::Set(i32, wide)), row), hn::Set(i32, wide));
-    out.color[c] = hn::Add(first, column);
-    // Disparities and identifiers have no border.
-    const auto inside = [&](VI index) {
-      return hn::Min(hn::Max(hn::Sub(index, hn::Set(i32, 1)), none), last);
-    };
     const VI of_row =
         hn::Mul(hn::Add(hn::Mul(point.face, hn::Set(i32, face)), inside(row)), hn::Set(i32, face));
-    out.object[c] = hn::Add(of_row, inside(column));
-    const VF disparity = hn::GatherIndex(f, node.disparity.data(), out.object[c]);
-    out.weight[c] = hn::Max(hn::Mul(c & 1 ? fx : hn::Sub(one, fx), c >> 1 ? fy : hn::Sub(one, fy)),
-                            hn::Set(f, 1e-3f));
-    off[c] = hn::Abs(hn::Sub(disparity, own));
-    least = hn::Min(least, off[c]);
+    out.color[r] = hn::Add(first, left);
+    VF disparity[2];
+    load_disparities(node, of_row, columns, disparity);
+    for (int column = 0; column < 2; ++column) {
+      const int c = 2 * r + column;
+      out.object[c] = hn::Add(of_row, columns[column]);
+      out.weight[c] =
+          hn::Max(hn::Mul(column == 0 ? hn::Sub(one, fx) : fx, r == 0 ? hn::Sub(one, fy) : fy),
+                  hn::Set(f, 1e-3f));
+      off[c] = hn::Abs(hn::Sub(disparity[column], own));
+      least = hn::Min(least, off[c]);
+    }
   }
   const VF most = hn::Add(least, hn::Mul(hn::Set(f, placed.options.tolerance), own));
   for (int c = 0; c < 4; ++c)
@@ -100,17 +107,16 @@ HWY_INLINE void keep_colors(const SoftwareNode& node, const SurfaceTexels& of, C
   const I i32;
   const U u32;
   if (hn::AllFalse(f, of.beside)) return;
-  VU texel[4];
+  VU texel[2][2];
   VF sum = hn::Zero(f);
-  for (int c = 0; c < 4; ++c) {
-    texel[c] = hn::GatherIndex(u32, node.color.data(), of.color[c]);
-    sum = hn::Add(sum, of.weight[c]);
-  }
+  for (int c = 0; c < 4; ++c) sum = hn::Add(sum, of.weight[c]);
+  for (int r = 0; r < 2; ++r) load_two(u32, node.color.data(), i32, of.color[r], texel[r]);
   const auto mean = [&]<int shift>(VF& channel) {
     VF total = hn::Zero(f);
     for (int c = 0; c < 4; ++c) {
       const VF value = hn::ConvertTo(
-          f, hn::BitCast(i32, hn::And(hn::ShiftRight<shift>(texel[c]), hn::Set(u32, 0xffu))));
+          f, hn::BitCast(i32,
+                         hn::And(hn::ShiftRight<shift>(texel[c / 2][c % 2]), hn::Set(u32, 0xffu))));
       total = hn::Add(total, hn::Mul(of.weight[c], value));
     }
     channel = hn::IfThenElse(of.beside, hn::Div(total, sum), channel);
