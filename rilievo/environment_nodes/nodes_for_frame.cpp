@@ -27,6 +27,9 @@ constexpr int kMostSteps = 300, kHalvings = 6;
 constexpr double kClearShare = 0.95;
 // After steps longer than this share of the way another such step is tried first.
 constexpr double kClearStep = 0.03;
+// Of neighbouring places on one surface the farthest is at most so many times as far as the
+// nearest.
+constexpr double kSmooth = 1.3;
 // Nodes that are asked: the best.
 constexpr std::size_t kMostAsked = 16;
 
@@ -263,8 +266,9 @@ class FrameLook {
   std::vector<AskedNode> asked_;
 };
 
-// Of the places in view that none of the drawn nodes holds: first those alone that every second
-// line of sight shows, as on a chessboard, and what is connected with these.
+// Of the places in view that none of the drawn nodes holds: first those alone that every fourth
+// line of sight shows, then, as on a chessboard, those between lines that do not show one smooth
+// surface, and what is connected with what lacks.
 class LackingPlaces {
  public:
   LackingPlaces(const FrameLook& look, std::uint32_t drawn_ones)
@@ -273,9 +277,14 @@ class LackingPlaces {
         places_(std::size_t(kViewColumns * kViewRows)),
         asked_(places_.size()) {
     std::vector<int> lines, next;
-    for (int row = 0; row < kViewRows; ++row)
-      for (int column = row % 2; column < kViewColumns; column += 2)
-        take(row * kViewColumns + column, next);
+    for (int row = 0; row < kViewRows; row += 2)
+      for (int column = 0; column < kViewColumns; column += 2)
+        take(row * kViewColumns + column, lines);
+    look_.look_along(lines, places_);
+    for (const int line : lines) take_around(line, next);
+    for (int row = 1; row < kViewRows; row += 2)
+      for (int column = 1; column < kViewColumns; column += 2)
+        if (!is_smooth(column, row)) take(row * kViewColumns + column, next);
     while (!next.empty()) {
       lines.swap(next);
       next.clear();
@@ -303,6 +312,17 @@ class LackingPlaces {
     if (asked_[std::size_t(line)]) return;
     asked_[std::size_t(line)] = true;
     next.push_back(line);
+  }
+  // Do the lines diagonally beside one show about equally far places, or all of them none?
+  [[nodiscard]] bool is_smooth(int column, int row) const {
+    double least = INFINITY, most = 0;
+    for (const int y : {row - 1, row + 1})
+      for (const int x : {column - 1, column + 1}) {
+        if (x >= kViewColumns || y >= kViewRows) continue;
+        const double distance = places_[std::size_t(y * kViewColumns + x)].distance;
+        least = std::min(least, distance), most = std::max(most, distance);
+      }
+    return most <= kSmooth * least;
   }
   void take_around(int line, std::vector<int>& next) {
     if (!lacks(std::size_t(line))) return;
@@ -357,7 +377,7 @@ FrameNodes nodes_for_frame(const EnvironmentNodes& nodes, const Camera& frame, s
     }
   };
   find_best();
-  // Of specks of one line of sight about half were found.
+  // Of specks of one line of sight at most half were found.
   if (most < least && 2 * most >= least) {
     places.ask_all();
     find_best();
