@@ -25,17 +25,18 @@ struct EdgeLook {
   bool only_skins = true;
 };
 
-HWY_INLINE void find_only_skins(const PlacedNodes& placed, EdgeLook& look) {
+HWY_INLINE void find_only_skins(const PlacedNodes& placed, std::size_t count, EdgeLook& look) {
   look.only_skins = true;
-  for (std::size_t k = 0; k < placed.count; ++k)
+  for (std::size_t k = 0; k < count; ++k)
     look.only_skins = look.only_skins &&
                       (look.inverse_z[k] == 0 || look.triangle[k] >= placed.layers[k].first_skin());
 }
 
 // Do two samples show the same surfaces? Skins count where there is nothing else.
-HWY_INLINE bool are_alike(const PlacedNodes& placed, const EdgeLook& a, const EdgeLook& b) {
+HWY_INLINE bool are_alike(const PlacedNodes& placed, std::size_t count, const EdgeLook& a,
+                          const EdgeLook& b) {
   if (a.only_skins != b.only_skins) return false;
-  for (std::size_t k = 0; k < placed.count; ++k) {
+  for (std::size_t k = 0; k < count; ++k) {
     const std::uint32_t skins = placed.layers[k].first_skin();
     const auto depth = [&](const EdgeLook& of) {
       return !a.only_skins && of.triangle[k] >= skins ? 0.0f : of.inverse_z[k];
@@ -50,43 +51,43 @@ HWY_INLINE bool are_alike(const PlacedNodes& placed, const EdgeLook& a, const Ed
 }
 
 // `shown`: at the centres of the block's pixels.
-void find_edge_samples(const PlacedNodes& placed, const FrameTile& tile, int x, int y,
-                       std::uint64_t marked, const Shown (&shown)[kMaxDrawnNodes][1],
+void find_edge_samples(const PlacedNodes& placed, std::size_t count, const FrameTile& tile, int x,
+                       int y, std::uint64_t marked, const Shown (&shown)[kMaxDrawnNodes][1],
                        EdgeSamples& out) {
   for (auto& plane : out.own) std::fill_n(plane, kPixels, 0u);
   out.count = out.used = 0;
   const float least = tile.nothing * kBeforeFar;
   float per_depth[kMaxDrawnNodes];
-  for (std::size_t k = 0; k < placed.count; ++k)
+  for (std::size_t k = 0; k < count; ++k)
     per_depth[k] = float(1 / (placed.layers[k].nearest() * placed.scale));
   for (; marked != 0; marked &= marked - 1) {
     const int pixel = std::countr_zero(marked);
     const std::uint32_t number = placed.edges.number_of(x, y, pixel);
     EdgeLook center;
-    for (std::size_t k = 0; k < placed.count; ++k) {
+    for (std::size_t k = 0; k < count; ++k) {
       center.inverse_z[k] = shown[k][0].inverse_z[pixel];
       center.triangle[k] = shown[k][0].triangle[pixel];
     }
-    find_only_skins(placed, center);
+    find_only_skins(placed, count, center);
     EdgeLook looks[NodeLayer::kEdgeSamples];
     int drawn[NodeLayer::kEdgeSamples], different = 0;
     for (int s = 0; s < NodeLayer::kEdgeSamples; ++s) {
       EdgeLook& look = looks[different];
-      for (std::size_t k = 0; k < placed.count; ++k) {
+      for (std::size_t k = 0; k < count; ++k) {
         const float depth = placed.layers[k].edge_depths(number)[s];
         const bool any = depth < 1;
         look.inverse_z[k] =
             any ? std::max((NodeLayer::kSkyDepth - depth) * per_depth[k], least) : 0.0f;
         look.triangle[k] = any ? placed.layers[k].edge_triangles(number)[s] : 0;
       }
-      find_only_skins(placed, look);
-      if (are_alike(placed, look, center)) continue;
+      find_only_skins(placed, count, look);
+      if (are_alike(placed, count, look, center)) continue;
       out.own[s][pixel] = 1;
       int same = 0;
-      while (same < different && !are_alike(placed, look, looks[same])) ++same;
+      while (same < different && !are_alike(placed, count, look, looks[same])) ++same;
       if (same == different) {
         const int i = out.count % kPixels;
-        for (std::size_t k = 0; k < placed.count; ++k) {
+        for (std::size_t k = 0; k < count; ++k) {
           Shown& to = out.shown[out.count / kPixels][k][0];
           to.inverse_z[i] = look.inverse_z[k], to.triangle[i] = look.triangle[k];
         }
@@ -100,14 +101,14 @@ void find_edge_samples(const PlacedNodes& placed, const FrameTile& tile, int x, 
   // Of the last vector, nothing.
   for (int n = out.count; n % int(hn::Lanes(F())) != 0; ++n) {
     out.x[n] = out.y[n] = 0;
-    for (std::size_t k = 0; k < placed.count; ++k) {
+    for (std::size_t k = 0; k < count; ++k) {
       Shown& to = out.shown[n / kPixels][k][0];
       to.inverse_z[n % kPixels] = 0, to.triangle[n % kPixels] = 0;
     }
   }
 }
 
-void draw_edge_samples(const PlacedNodes& placed, FrameTile& tile, int block,
+void draw_edge_samples(const PlacedNodes& placed, std::size_t count, FrameTile& tile, int block,
                        const EdgeSamples& edges) {
   const F f;
   const U u32;
@@ -116,7 +117,7 @@ void draw_edge_samples(const PlacedNodes& placed, FrameTile& tile, int block,
   const VF zero = hn::Zero(f);
   for (int n = 0; n < edges.count; n += int(hn::Lanes(f))) {
     MergedPixels merged{hn::Lt(zero, zero), zero, hn::Zero(u32)};
-    const bool any = merge_pixels(placed, tile, edges.shown[n / kPixels], n % kPixels,
+    const bool any = merge_pixels(placed, count, tile, edges.shown[n / kPixels], n % kPixels,
                                   hn::Load(f, edges.x + n), hn::Load(f, edges.y + n), zero, merged);
     hn::Store(any ? merged.inverse_z : zero, f, inverse_z + n);
     hn::Store(any ? merged.content : hn::Zero(u32), u32, content + n);

@@ -58,6 +58,13 @@ TEST_F(LastInPartTest, in_all_parts_it_is_drawn_as_everywhere) {
   }
 }
 
+// Do the bytes differ by at most 1?
+bool are_about_equal(std::uint32_t a, std::uint32_t b) {
+  for (int shift = 0; shift < 32; shift += 8)
+    if (std::abs(int(a >> shift & 0xff) - int(b >> shift & 0xff)) > 1) return false;
+  return true;
+}
+
 // What is neither near the marked parts nor near a gap is as two nodes draw it.
 TEST_F(LastInPartTest, elsewhere_it_is_left_out) {
   Random random(5);
@@ -85,7 +92,8 @@ TEST_F(LastInPartTest, elsewhere_it_is_left_out) {
           EXPECT_EQ(of(*part), of(*three));
           ++with;
         } else {
-          neither += of(*part) != of(*two) && of(*part) != of(*three);
+          // Weights are shares of those of all nodes: they are rounded.
+          neither += !are_about_equal(of(*part), of(*two)) && of(*part) != of(*three);
           without += of(*part) == of(*two) && of(*two) != of(*three);
         }
         matters += of(*two) != of(*three);
@@ -94,8 +102,7 @@ TEST_F(LastInPartTest, elsewhere_it_is_left_out) {
   EXPECT_GT(with, 1000);
   EXPECT_GT(matters, 1000);
   EXPECT_GT(without, matters / 10);
-  // Where it is left out it still tells what it saw through.
-  EXPECT_LT(neither, matters / 20);
+  EXPECT_EQ(neither, 0);
 }
 
 }  // namespace

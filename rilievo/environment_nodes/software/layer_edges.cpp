@@ -92,6 +92,9 @@ void NodeLayer::mark_edge(const Placed& placed, const MeshEdge& edge, EdgePixels
     return int(std::min(std::max(0.0, at), double(size - 1)));
   };
   const int first = pixel(top.y, height_), last = pixel(bottom.y, height_);
+  if (only_ && !only_->any(pixel(std::min(top.x, bottom.x), width_), first,
+                           pixel(std::max(top.x, bottom.x), width_), last))
+    return;
   for (int y = first; y <= last; ++y) {
     // Of a line that is nearly level, all of it lies in a row or two.
     const double enters = y <= first ? top.x : top.x + (y - top.y) * x_per_y,

@@ -1,6 +1,6 @@
-// Merges layers, one of each node: the share that each has in a pixel's colour, and the pixel's
-// depth. As gl/node_shaders.cpp does. Part of shade_nodes.cpp, compiled once for each instruction
-// set.
+// Merges the first `count` layers, one of each node: the share that each has in a pixel's colour,
+// and the pixel's depth. As gl/node_shaders.cpp does. Part of shade_nodes.cpp, compiled once for
+// each instruction set.
 
 // What pixels show of the layers: the share of each in the colour, and 1 / eye_z (0: nothing).
 struct Merged {
@@ -85,8 +85,9 @@ HWY_INLINE VF find_share(const PlacedNodes& placed, std::size_t k, VF x, VF y, V
 }
 
 // Where surfaces do not agree: their shares, and the nearest that is left.
-HWY_INLINE void settle(const PlacedNodes& placed, const MF (&surface)[kMaxDrawnNodes], VF px, VF py,
-                       float nothing, MF differ, Candidates& out) {
+HWY_INLINE void settle(const PlacedNodes& placed, std::size_t count,
+                       const MF (&surface)[kMaxDrawnNodes], VF px, VF py, float nothing, MF differ,
+                       Candidates& out) {
   const F f;
   const VF zero = hn::Zero(f), one = hn::Set(f, 1.0f);
   const glm::vec4& rays = placed.rays;
@@ -96,14 +97,14 @@ HWY_INLINE void settle(const PlacedNodes& placed, const MF (&surface)[kMaxDrawnN
   // What lies farther behind an accepted surface is not merged with it: its share is not asked.
   const VF reach = hn::Set(f, 1 + 1.5f * placed.options.tolerance);
   VF accepted = zero;
-  for (std::size_t k = 0; k < placed.count; ++k) {
+  for (std::size_t k = 0; k < count; ++k) {
     const MF wanted = hn::And(differ, surface[k]);
     if (hn::AllFalse(f, wanted)) continue;
     const VF ahead = hn::Div(
         one, hn::Max(hn::Mul(out.z[k], hn::Set(f, float(placed.scale))), hn::Set(f, 1e-30f)));
     MF near =
         hn::And(hn::And(wanted, hn::Gt(out.z[k], sky)), hn::Ge(hn::Mul(out.z[k], reach), accepted));
-    for (std::size_t j = 0; j < placed.count; ++j) {
+    for (std::size_t j = 0; j < count; ++j) {
       if (k == 0 || j == k || hn::AllFalse(f, near)) continue;
       const VF share = find_share(placed, j, hn::Mul(x, ahead), hn::Mul(y, ahead), hn::Neg(ahead));
       out.share[k] = hn::IfThenElse(near, hn::Min(out.share[k], share), out.share[k]);
@@ -114,19 +115,20 @@ HWY_INLINE void settle(const PlacedNodes& placed, const MF (&surface)[kMaxDrawnN
   }
   const MF some = hn::And(differ, hn::Gt(accepted, zero));
   out.nearest = hn::IfThenElse(some, accepted, out.nearest);
-  for (std::size_t k = 0; k < placed.count; ++k)
+  for (std::size_t k = 0; k < count; ++k)
     out.share[k] = hn::IfThenElse(hn::AndNot(some, differ), one, out.share[k]);
 }
 
 // See gl/node_shaders.cpp.
-HWY_INLINE void find_candidates(const PlacedNodes& placed, const Shown (&shown)[kMaxDrawnNodes][1],
-                                int i, VF px, VF py, float nothing, Candidates& out) {
+HWY_INLINE void find_candidates(const PlacedNodes& placed, std::size_t count,
+                                const Shown (&shown)[kMaxDrawnNodes][1], int i, VF px, VF py,
+                                float nothing, Candidates& out) {
   const F f;
   const U u32;
   const VF zero = hn::Zero(f), one = hn::Set(f, 1.0f), tiny = hn::Set(f, 1e-30f);
   MF surface[kMaxDrawnNodes];
   VF nearest = zero, nearest_skin = zero, farthest = hn::Set(f, 1e30f);
-  for (std::size_t k = 0; k < placed.count; ++k) {
+  for (std::size_t k = 0; k < count; ++k) {
     out.z[k] = hn::Load(f, shown[k][0].inverse_z + i);
     out.share[k] = one;
     const MF skin = are_skins(placed.layers[k], hn::Load(u32, shown[k][0].triangle + i));
@@ -140,9 +142,9 @@ HWY_INLINE void find_candidates(const PlacedNodes& placed, const Shown (&shown)[
   const MF differ =
       hn::And(hn::Gt(nearest, zero),
               hn::Gt(nearest, hn::Mul(farthest, hn::Set(f, 1 + 0.5f * placed.options.tolerance))));
-  if (!hn::AllFalse(f, differ)) settle(placed, surface, px, py, nothing, differ, out);
+  if (!hn::AllFalse(f, differ)) settle(placed, count, surface, px, py, nothing, differ, out);
   const VF limit = hn::Div(hn::Set(f, 1 + placed.options.tolerance), hn::Max(out.nearest, tiny));
-  for (std::size_t k = 0; k < placed.count; ++k) {
+  for (std::size_t k = 0; k < count; ++k) {
     const MF skin =
         hn::And(out.only_skins, hn::And(hn::Gt(out.z[k], zero), hn::Eq(out.z[k], nearest_skin)));
     const MF near = hn::And(surface[k], hn::Le(hn::Div(one, hn::Max(out.z[k], tiny)), limit));
@@ -151,14 +153,14 @@ HWY_INLINE void find_candidates(const PlacedNodes& placed, const Shown (&shown)[
 }
 
 // `weights`: of the texels that layers show, 0 to 255.
-HWY_INLINE void merge(const PlacedNodes& placed, const Candidates& from,
+HWY_INLINE void merge(const PlacedNodes& placed, std::size_t count, const Candidates& from,
                       const VF (&weights)[kMaxDrawnNodes], Merged& out) {
   const F f;
   const VF zero = hn::Zero(f), one = hn::Set(f, 1.0f);
   const bool binary = placed.options.merge == NodeMerge::binary;
   VF most = hn::Set(f, -1.0f), sum = zero;
   out.inverse_z = from.nearest;
-  for (std::size_t k = 0; k < placed.count; ++k) {
+  for (std::size_t k = 0; k < count; ++k) {
     out.share[k] = zero;
     const MF counts = from.counts[k];
     if (hn::AllFalse(f, counts)) continue;
@@ -180,7 +182,7 @@ HWY_INLINE void merge(const PlacedNodes& placed, const Candidates& from,
   }
   if (binary) return;
   sum = hn::Max(sum, hn::Set(f, 1e-20f));
-  for (std::size_t k = 0; k < placed.count; ++k) out.share[k] = hn::Div(out.share[k], sum);
+  for (std::size_t k = 0; k < count; ++k) out.share[k] = hn::Div(out.share[k], sum);
 }
 
 // Others only in the gaps of the first.

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "rilievo/core/expects.h"
+#include "rilievo/core/parallel_for.h"
 #include "rilievo/environment_nodes/environment_drawable.h"
 #include "rilievo/environment_nodes/software/node_layer.h"
 #include "rilievo/environment_nodes/software/shade_nodes.h"
@@ -20,27 +21,41 @@ constexpr float kAnyWidth = 1e30f;
 // Around what the last node is there for, and around gaps of the others, it is drawn, too: blocks.
 constexpr int kAroundGaps = 1;
 
-// Marks the blocks in which a pixel shows no layer's surface, and so many around them.
+// Marks the blocks in which a pixel shows no layer's surface, and so many around them. `within`, if
+// not null, has all blocks with such a pixel.
 void mark_gaps(std::span<const NodeLayer> layers, const Camera& frame, int around,
-               std::vector<float>& deepest, FrameBlocks& blocks) {
+               const FrameBlocks* within, std::vector<float>& deepest, FrameBlocks& blocks) {
   constexpr int kBlock = FrameBlocks::kBlock;
   const auto width = std::size_t(frame.width);
   deepest.resize(2 * width);
   // Of a row of blocks, the deepest of each column's pixels, of which the nearest layer counts.
   float *const most = deepest.data(), *const nearest = most + width;
-  for (int row = 0; row < blocks.rows(); ++row) {
-    std::fill_n(most, width, 0.0f);
+  // The columns [left, right) of blocks of a row.
+  const auto mark_columns = [&](int row, int left, int right) {
+    const auto first = std::size_t(left * kBlock),
+               last = std::min(std::size_t(right * kBlock), width);
+    std::fill(most + first, most + last, 0.0f);
     for (int y = row * kBlock; y < std::min((row + 1) * kBlock, frame.height); ++y) {
-      std::fill_n(nearest, width, 1.0f);
+      std::fill(nearest + first, nearest + last, 1.0f);
       for (const NodeLayer& layer : layers)
         if (const float* const depths = layer.surface_depths(y))
-          for (std::size_t x = 0; x < width; ++x) nearest[x] = std::min(nearest[x], depths[x]);
-      for (std::size_t x = 0; x < width; ++x) most[x] = std::max(most[x], nearest[x]);
+          for (std::size_t x = first; x < last; ++x) nearest[x] = std::min(nearest[x], depths[x]);
+      for (std::size_t x = first; x < last; ++x) most[x] = std::max(most[x], nearest[x]);
     }
-    for (int column = 0; column < blocks.columns(); ++column) {
-      const int first = column * kBlock, last = std::min(first + kBlock, frame.width);
-      if (*std::max_element(most + first, most + last) < 1) continue;
+    for (int column = left; column < right; ++column) {
+      const auto from = std::size_t(column * kBlock), to = std::min(from + kBlock, last);
+      if (*std::max_element(most + from, most + to) < 1) continue;
       blocks.mark(column - around, row - around, column + around, row + around);
+    }
+  };
+  for (int row = 0; row < blocks.rows(); ++row) {
+    const auto is_asked = [&](int column) {
+      return !within || within->holds(column * kBlock, row * kBlock);
+    };
+    for (int left = 0, right = 0; left < blocks.columns(); left = right) {
+      for (right = left + 1; right < blocks.columns() && is_asked(right) == is_asked(left);)
+        ++right;
+      if (is_asked(left)) mark_columns(row, left, right);
     }
   }
 }
@@ -64,25 +79,26 @@ void find_blocks_of_last(PlacedNodes& placed, std::size_t last, const Camera& fr
                   block(column + 2, FrameParts::kColumns, frame.width),
                   block(top + 2, FrameParts::kRows, frame.height));
     }
-  mark_gaps({placed.layers.data(), last}, frame, kAroundGaps, placed.deepest, blocks);
+  mark_gaps({placed.layers.data(), last}, frame, kAroundGaps, nullptr, placed.deepest, blocks);
   blocks.finish();
 }
 
 // Skins, where no layer shows a surface, and the samples along silhouettes.
-void fill_gaps(PlacedNodes& placed, const Camera& frame) {
+// `in_part`: the last layer is drawn around all gaps of the others.
+void fill_gaps(PlacedNodes& placed, const Camera& frame, bool in_part) {
   const std::span<NodeLayer> layers(placed.layers.data(), placed.count);
   placed.edges.begin(frame.width, frame.height);
   placed.gaps.begin(frame.width, frame.height);
   if (placed.antialiased) find_edge_surfaces(layers, frame.height, placed.edges, placed.gaps);
   FrameBlocks& blocks = placed.skins_in;
   blocks.begin(frame.width, frame.height);
-  mark_gaps(layers, frame, 0, placed.deepest, blocks);
+  mark_gaps(layers, frame, 0, in_part ? &placed.last_in : nullptr, placed.deepest, blocks);
   for (int row = 0; row < blocks.rows(); ++row)
     for (int column = 0; column < blocks.columns(); ++column)
       if (placed.gaps.word(column * FrameBlocks::kBlock, row * FrameBlocks::kBlock) != 0)
         blocks.mark(column, row, column, row);
   blocks.finish();
-  for (NodeLayer& layer : layers) layer.place_skins(blocks);
+  parallel_for(0, int(layers.size()), [&](int k) { layers[std::size_t(k)].place_skins(blocks); });
   if (placed.antialiased) find_edge_skins(layers, frame.height, placed.edges, placed.gaps);
 }
 
@@ -160,6 +176,7 @@ void NodeTiles::draw(const Camera& frame, double scale, std::span<const std::siz
   placed.rays = {window.left, window.top, (window.right - window.left) / frame.width,
                  (window.bottom - window.top) / frame.height};
   const std::span<const DrawnNode> all(s.drawn);
+  bool in_part = false;  // is the last layer?
   if (!placed.merged) {
     placed.count = 1;
     placed.layers[0].place(frame, output == Output::color ? s.samples : 1, all);
@@ -169,15 +186,17 @@ void NodeTiles::draw(const Camera& frame, double scale, std::span<const std::siz
     placed.layers[1].place_surfaces(frame, all.subspan(1));
   } else {
     placed.count = all.size();
-    for (std::size_t i = 0; i < all.size(); ++i) {
-      const bool in_part = options.last_in && i > 1 && i + 1 == all.size();
-      if (in_part) find_blocks_of_last(placed, i, frame, *options.last_in);
-      placed.layers[i].place_surfaces(frame, all.subspan(i, 1),
-                                      in_part ? &placed.last_in : nullptr);
+    in_part = options.last_in && all.size() > 2;
+    const std::size_t last = all.size() - (in_part ? 1 : 0);
+    parallel_for(std::size_t(0), last,
+                 [&](std::size_t i) { placed.layers[i].place_surfaces(frame, all.subspan(i, 1)); });
+    if (in_part) {
+      find_blocks_of_last(placed, last, frame, *options.last_in);
+      placed.layers[last].place_surfaces(frame, all.subspan(last, 1), &placed.last_in);
     }
   }
   placed.antialiased = placed.merged && output == Output::color && s.samples == 4;
-  if (placed.merged) fill_gaps(placed, frame);
+  if (placed.merged) fill_gaps(placed, frame, in_part);
 }
 
 void NodeTiles::draw_lines(const Camera& frame, std::span<const glm::dvec3> ends) {

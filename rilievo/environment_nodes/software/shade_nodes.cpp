@@ -122,8 +122,8 @@ struct MergedPixels {
   VU content;
 };
 
-// Of the pixels from the i-th on, at (px, py). False: of none.
-HWY_INLINE bool merge_pixels(const PlacedNodes& placed, const FrameTile& tile,
+// Of the pixels from the i-th on, at (px, py), of the first `count` layers. False: of none.
+HWY_INLINE bool merge_pixels(const PlacedNodes& placed, std::size_t count, const FrameTile& tile,
                              const Shown (&shown)[kMaxDrawnNodes][1], int i, VF px, VF py,
                              VF farthest, MergedPixels& out) {
   const F f;
@@ -146,27 +146,27 @@ HWY_INLINE bool merge_pixels(const PlacedNodes& placed, const FrameTile& tile,
     merge_first(placed, shown, i, merged);
     out.seen = hn::Gt(merged.inverse_z, farthest);
     if (hn::AllFalse(f, out.seen)) return false;
-    for (std::size_t k = 0; k < placed.count; ++k)
+    for (std::size_t k = 0; k < count; ++k)
       shade_layer(k, hn::And(out.seen, hn::Gt(merged.share[k], zero)), merged.inverse_z);
   } else {
     Candidates candidates;
-    find_candidates(placed, shown, i, px, py, tile.nothing, candidates);
+    find_candidates(placed, count, shown, i, px, py, tile.nothing, candidates);
     out.seen = hn::Gt(candidates.nearest, farthest);
     if (hn::AllFalse(f, out.seen)) return false;
     VF weights[kMaxDrawnNodes];
-    for (std::size_t k = 0; k < placed.count; ++k) {
+    for (std::size_t k = 0; k < count; ++k) {
       const MF counts = hn::And(out.seen, candidates.counts[k]);
       shade_layer(k, counts, candidates.z[k]);
       weights[k] = colors[k].weight;
     }
-    merge(placed, candidates, weights, merged);
+    merge(placed, count, candidates, weights, merged);
     out.seen = hn::Gt(merged.inverse_z, farthest);
   }
   Colors sum{zero, zero, zero, zero, zero};
   // The identifier of the layer that shows most of the colour.
   VF most = zero;
   VU object = hn::Zero(u32);
-  for (std::size_t k = 0; k < placed.count; ++k) {
+  for (std::size_t k = 0; k < count; ++k) {
     const MF has_share = hn::And(out.seen, hn::Gt(merged.share[k], zero));
     if (hn::AllFalse(f, has_share)) continue;
     const MF more = hn::And(has_share, hn::Gt(merged.share[k], most));
@@ -190,22 +190,19 @@ void draw_merged(const PlacedNodes& placed, FrameTile& tile, int block, int x, i
   const F f;
   const U u32;
   Shown shown[kMaxDrawnNodes][1];
+  const bool with_skins = placed.skins_in.holds(x, y);
   float nearest = 0;
-  for (std::size_t k = 0; k < placed.count; ++k) {
-    if (placed.layers[k].reaches(x, y)) {
-      nearest = std::max(nearest,
-                         find_shown<1, true>(placed.layers[k], placed.scale, tile, x, y, shown[k]));
-    } else {
-      std::fill_n(shown[k][0].inverse_z, kPixels, 0.0f);
-      std::fill_n(shown[k][0].triangle, kPixels, 0u);
-    }
-  }
+  // The last layer may be left out.
+  const std::size_t count = placed.count - (placed.layers[placed.count - 1].reaches(x, y) ? 0 : 1);
+  for (std::size_t k = 0; k < count; ++k)
+    nearest = std::max(nearest, find_shown<1, true>(placed.layers[k], placed.scale, tile, x, y,
+                                                    shown[k], with_skins));
   EdgeSamples edges;
   const std::uint64_t marked = placed.antialiased ? placed.edges.word(x, y) : 0;
   if (marked != 0) {
     tile.expand(block);
-    find_edge_samples(placed, tile, x, y, marked, shown, edges);
-    draw_edge_samples(placed, tile, block, edges);
+    find_edge_samples(placed, count, tile, x, y, marked, shown, edges);
+    draw_edge_samples(placed, count, tile, block, edges);
   }
   if (nearest == 0 || nearest <= tile.farthest[block]) return;
   const int planes = tile.planes(block);
@@ -214,7 +211,8 @@ void draw_merged(const PlacedNodes& placed, FrameTile& tile, int block, int x, i
     for (int s = 1; s < planes; ++s)
       farthest = hn::Min(farthest, hn::Load(f, tile.plane(block, s).inverse_z + i));
     MergedPixels merged;
-    if (!merge_pixels(placed, tile, shown, i, center_x(x, i), center_y(y, i), farthest, merged))
+    if (!merge_pixels(placed, count, tile, shown, i, center_x(x, i), center_y(y, i), farthest,
+                      merged))
       continue;
     for (int s = 0; s < planes; ++s) {
       FrameTile::Plane& plane = tile.plane(block, s);

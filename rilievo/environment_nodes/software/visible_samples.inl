@@ -41,10 +41,11 @@ struct RowLoad {
 };
 
 // What all samples of a block show of a layer. Returns the nearest one's 1 / eye_z, 0 for nothing.
-// Of merged nodes, which have one sample, skins lie behind all surfaces.
+// Of merged nodes, which have one sample, skins lie behind all surfaces, and are shown
+// `with_skins`.
 template <int samples, bool merged = false>
 float find_shown(const NodeLayer& layer, double scale, const FrameTile& tile, int x, int y,
-                 Shown (&out)[samples]) {
+                 Shown (&out)[samples], bool with_skins = true) {
   const F f;
   const U u32;
   const VF sky = hn::Set(f, NodeLayer::kSkyDepth), one = hn::Set(f, 1.0f), zero = hn::Zero(f);
@@ -60,7 +61,8 @@ float find_shown(const NodeLayer& layer, double scale, const FrameTile& tile, in
     std::fill_n(z, samples, zero);
     std::fill_n(shown, samples, hn::Zero(u32));
     MF surface = hn::Lt(zero, zero);
-    for (std::size_t p = 0; p < parts.size() && row < tile.height; ++p) {
+    const std::size_t count = row >= tile.height ? 0 : with_skins ? parts.size() : 1;
+    for (std::size_t p = 0; p < count; ++p) {
       if (!parts[p].samples) continue;
       const RowLoad<samples> from(*parts[p].samples, x, tile.height - 1 - row);
       VF depth[samples];
