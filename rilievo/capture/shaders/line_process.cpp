@@ -36,11 +36,14 @@ void forget_signals() {
 
 // What the child does between fork() and exec(): calls that are safe with other threads gone, and
 // no allocation. Tells `told` what went wrong.
-[[noreturn]] void become(char* const* argv, int in, int out, int told, pid_t parent) {
+[[noreturn]] void become(char* const* argv, int in, int out, int told, pid_t parent, int nice) {
   ::setpgid(0, 0);
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   // Had the parent died before, nobody would tell.
   if (::getppid() != parent) ::_exit(127);
+  errno = 0;
+  const int own = ::getpriority(PRIO_PROCESS, 0);
+  if (nice > 0 && errno == 0) (void)::setpriority(PRIO_PROCESS, 0, own + nice);
   if (::dup2(in, 0) >= 0 && ::dup2(out, 1) >= 0) {
     forget_signals();
     ::execvp(argv[0], argv);
@@ -54,7 +57,7 @@ void forget_signals() {
 // has none until it has forgotten our handlers. fork() copies page tables, some 45 ms for each
 // gigabyte in use, once a program. A child in our memory (CLONE_VM) would be quicker, but then the
 // calls that it makes change what sanitizers note of our handlers.
-int fork_program(char* const* argv, int in, int out, pid_t& id) {
+int fork_program(char* const* argv, int in, int out, int nice, pid_t& id) {
   int report[2];
   if (::pipe2(report, O_CLOEXEC) != 0) return errno;
   Descriptor heard(report[0]), told(report[1]);
@@ -64,7 +67,7 @@ int fork_program(char* const* argv, int in, int out, pid_t& id) {
   const pid_t parent = ::getpid();
   id = ::fork();
   const int not_forked = errno;
-  if (id == 0) become(argv, in, out, told.fd, parent);
+  if (id == 0) become(argv, in, out, told.fd, parent, nice);
   ::pthread_sigmask(SIG_SETMASK, &before, nullptr);
   if (id < 0) return not_forked;
   told.close();
@@ -109,17 +112,13 @@ Result<std::unique_ptr<LineProcess>> LineProcess::start(const std::string& progr
       std::promise<void> unwanted;
       const std::stop_callback end(stop, [&] { unwanted.set_value(); });
       // After this nothing of start() may be there.
-      told.set_value(fork_program(argv.data(), theirs.fd, answers.fd, id));
+      told.set_value(fork_program(argv.data(), theirs.fd, answers.fd, nice, id));
       unwanted.get_future().wait();
     });
   } catch (const std::system_error& no_thread) {
     return error(no_thread.code().value());
   }
   if (const int failed = started.get()) return error(failed);
-  // It has one thread yet; what it starts later inherits this.
-  errno = 0;
-  const int own = ::getpriority(PRIO_PROCESS, 0);
-  if (nice > 0 && errno == 0) (void)::setpriority(PRIO_PROCESS, id_t(id), own + nice);
   return std::unique_ptr<LineProcess>(new LineProcess(
       id, std::exchange(ours.fd, -1), std::exchange(from.fd, -1), std::move(parent)));
 }
