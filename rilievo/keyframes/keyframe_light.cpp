@@ -16,6 +16,10 @@ constexpr int kColumns = 160;
 // How much cells count that are of another object, and the least distance of places (cells,
 // squared) and of colours (relative, squared) that matters.
 constexpr float kOther = 0.02f, kNear = 4, kLike = 0.01f;
+// Colours that are darker are alike.
+constexpr float kDark = 0.02f;
+// How much a keyframe counts that shows only what no other one does.
+constexpr float kSpareLight = 0.001f;
 // No factor is larger: where rays see nothing but black it means nothing.
 constexpr float kMostFactor = 4;
 constexpr float kBlack = 0.005f;
@@ -44,10 +48,11 @@ bool mean_color(const Keyframe& key, std::uint32_t object, int x0, int x1, int y
   return count > 0;
 }
 
-// How far apart two colours are, relative to both, squared.
-float difference(const glm::vec3& a, const glm::vec3& b) {
-  const glm::vec3 d = (a - b) / (a + b + 0.02f);
-  return glm::dot(d, d);
+// As bytes have it: no brighter than white, and a number.
+glm::vec3 shown_color(const glm::vec4& linear) {
+  std::uint32_t bytes;
+  srgb_bytes_of(&linear, 1, &bytes);
+  return linear_of(bytes);
 }
 
 }  // namespace
@@ -76,7 +81,7 @@ Result<> find_light(CaptureSource& rays, std::span<const std::uint32_t> objects,
       if (!picture.covered(x, y) || picture.object(x, y) == kNoObject) continue;
       const int x0 = x * width / columns, x1 = (x + 1) * width / columns;
       if (!mean_color(keyframe, picture.object(x, y), x0, x1, y0, y1, cell.source)) continue;
-      cell.rays = glm::vec3(picture.color(x, y));
+      cell.rays = shown_color(picture.color(x, y));
       cell.object = picture.object(x, y);
     }
   });
@@ -88,7 +93,8 @@ void Relight::begin(std::span<const WarpedKeyframe> keyframes, const Camera& fra
   for (const WarpedKeyframe& one : keyframes) {
     const KeyframeLight& light = one.keyframe->light;
     if (!light.cells.empty())
-      maps_.push_back({&light, raster_map(light.camera, frame), one.weight});
+      maps_.push_back({&light, raster_map(light.camera, frame),
+                       one.spare ? kSpareLight * one.weight : one.weight});
   }
 }
 
@@ -116,9 +122,12 @@ std::uint32_t Relight::shown(float x, float y, float inverse_z, std::uint32_t ob
           if (at_x < 0 || at_y < 0 || at_x >= width || at_y >= height) continue;
           const LightCell& cell = light->cells(at_x, at_y);
           if (cell.object == kNoObject) continue;
-          const float like = kLike + difference(cell.rays, by_rays);
+          // 1 / (kLike + the squared difference of the colours, relative to both).
+          const glm::vec3 difference = cell.rays - by_rays, sum = cell.rays + by_rays + kDark;
+          const float whole = glm::dot(sum, sum);
           const float near = kNear + float((dx * dx + dy * dy) * step * step);
-          const float counts = weight * (cell.object == object + 1 ? 1 : kOther) / (like * near);
+          const float counts = weight * (cell.object == object + 1 ? 1 : kOther) * whole /
+                               ((kLike * whole + glm::dot(difference, difference)) * near);
           source += counts * cell.source, rays += counts * cell.rays;
         }
   }

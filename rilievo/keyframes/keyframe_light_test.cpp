@@ -114,6 +114,58 @@ TEST(KeyframeLight, CellsHaveTheSourcesLightAndThatOfRays) {
   EXPECT_GT(shaded, 3000);
 }
 
+// What is brighter than white is white in a keyframe, and by rays; so is nothing but a number.
+TEST(KeyframeLight, OverexposedSurfacesStayAsTheyAre) {
+  LightStage stage;
+  stage.scene.lights[0].intensity = glm::vec3(40);
+  stage.rays.emplace(*RayScene::create(stage.scene));
+  KeyframeRequest request;
+  request.camera = LightStage::eye_at(3);
+  request.light_rays = &*stage.again;
+  const Keyframe key = *make_keyframe(*stage.plain, request);
+  const WarpedKeyframe warped[] = {{&key}};
+  Relight light;
+  light.begin(warped, request.camera);
+  int white = 0;
+  for (int y = 10; y < 190; y += 7)
+    for (int x = 10; x < 310; x += 7) {
+      const std::uint32_t color = key.color(2 * x, 2 * y) | 0xFF000000u;
+      if (key.object(x, y) == kNoObject || (color & 0xFFFFFFu) != 0xFFFFFFu) continue;
+      ++white;
+      const std::uint32_t shown = light.shown(float(x) + 0.5f, float(y) + 0.5f, key.inverse_z(x, y),
+                                              key.object(x, y) - 1, color);
+      // Cells at edges have the mean of what is there. With radiance above 1 it was 120 and less.
+      for (int c = 0; c < 24; c += 8) EXPECT_GE(shown >> c & 255, 250u);
+    }
+  EXPECT_GT(white, 100);
+}
+
+// As the second keyframe becomes one to spare, what is shown does not change.
+TEST(KeyframeLight, AKeyframeToSpareTellsOnlyWhatNoOtherDoes) {
+  LightStage stage;
+  KeyframeRequest request;
+  request.camera = LightStage::eye_at(0.6);
+  request.light_rays = &*stage.again;
+  const Keyframe plain = *make_keyframe(*stage.plain, request), shadowed = stage.keyframe_at(0.5);
+  const WarpedKeyframe with[] = {{&shadowed, 1}, {&plain, 0.4f, true}}, alone[] = {{&shadowed, 1}},
+                       spare[] = {{&plain, 0.4f, true}};
+  Relight both, one, other;
+  both.begin(with, request.camera), one.begin(alone, request.camera);
+  other.begin(spare, request.camera);
+  const std::uint32_t color = 0xFF808080u;
+  for (int y = 20; y < 180; y += 5)
+    for (int x = 20; x < 300; x += 5) {
+      const float w = plain.inverse_z(x, y);
+      const auto shown = [&](const Relight& light) {
+        return light.shown(float(x) + 0.5f, float(y) + 0.5f, w, plain.object(x, y) - 1, color);
+      };
+      for (int c = 0; c < 24; c += 8)
+        EXPECT_NEAR(int(shown(both) >> c & 255), int(shown(one) >> c & 255), 1);
+      // Alone it tells all: rays' own light, but for the means of cells at edges.
+      for (int c = 0; c < 24; c += 8) EXPECT_NEAR(int(shown(other) >> c & 255), 0x80, 8);
+    }
+}
+
 TEST(KeyframeLight, ASourceThatKnowsNoMoreHasNone) {
   LightStage stage;
   KeyframeRequest request;
@@ -149,9 +201,10 @@ glm::dvec3 factor_by_all_cells(std::span<const Keyframe> keys, const glm::dvec3&
         const bool far = dx % 4 == 0 && dy % 4 == 0 && std::max(dx, dy) <= 8 && dx + dy > 0;
         const LightCell& cell = light.cells(x, y);
         if ((!fine && !far) || cell.object == kNoObject) continue;
-        double unlike = 0.01;
-        for (int c = 0; c < 3; ++c)
-          unlike += std::pow((cell.rays[c] - color[c]) / (cell.rays[c] + color[c] + 0.02), 2);
+        const glm::dvec3 cell_color(cell.rays);
+        const double unlike =
+            0.01 +
+            std::pow(glm::length(cell_color - color) / glm::length(cell_color + color + 0.02), 2);
         const double counts =
             (cell.object == object + 1 ? 1 : 0.02) / unlike / (4 + dx * dx + dy * dy);
         source += counts * glm::dvec3(cell.source), rays += counts * glm::dvec3(cell.rays);
