@@ -20,8 +20,10 @@ constexpr std::size_t kSpare = 2;
 // program's first frame touches 100 MB more, which takes as long as several keyframes where the
 // system maps pages slowly (core/large_buffer.h).
 constexpr int kFirstSteps = 16;
-// A coarse keyframe's texels for each pixel of the frame, in each direction; and its margin.
-constexpr double kCoarseTexels = 0.5, kCoarseMargin = 1.1;
+// A coarse keyframe's texels for each pixel of the frame, in each direction: of the first one; and
+// at least, where it would take more ms by what the last one took. And its margin.
+constexpr double kCoarseTexels = 0.45, kLeastCoarseTexels = 0.25, kCoarseMs = 40;
+constexpr double kCoarseMargin = 1.1;
 // The share of the last band in the mean cost of a column.
 constexpr double kNewestCost = 0.1;
 // The share of the last frame in the mean time that holes take.
@@ -278,6 +280,14 @@ std::span<const WarpedKeyframe> KeyframeProducer::choose_for(const Camera& eye) 
   return chosen_;
 }
 
+// For each pixel of the frame, in each direction. The machine may be slow, or others may use it.
+double KeyframeProducer::coarse_texels() const {
+  if (coarse_texel_ms_ == 0) return kCoarseTexels;
+  const Camera whole = keyframe_camera(frame_, kCoarseMargin);
+  return std::clamp(std::sqrt(kCoarseMs / (coarse_texel_ms_ * whole.width * whole.height)),
+                    kLeastCoarseTexels, 1.0);
+}
+
 Result<std::span<const WarpedKeyframe>> KeyframeProducer::make_now() {
   const Stopwatch watch;
   const bool coarse = options_.beside || (options_.keyframe_ms > 0 && any());
@@ -292,11 +302,13 @@ Result<std::span<const WarpedKeyframe>> KeyframeProducer::make_now() {
   if (coarse) {
     KeyframeMaker maker;
     KeyframeRequest request;
-    request.camera = keyframe_camera(frame_, kCoarseMargin, kCoarseTexels);
+    request.camera = keyframe_camera(frame_, kCoarseMargin, coarse_texels());
     request.objects = objects_, request.samples = 1;
     request.time = time_, request.coarse = true;
     maker.begin(request, std::exchange(spare_coarse_, {}));
+    const Stopwatch step;
     if (Result<> made = maker.step(quick_, 1 << 20); !made) return made.error();
+    coarse_texel_ms_ = step.ms() / (double(request.camera.width) * request.camera.height);
     add(maker.take());
     ++done_.coarse;
   } else {

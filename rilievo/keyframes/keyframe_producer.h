@@ -117,6 +117,7 @@ class KeyframeProducer {
   [[nodiscard]] bool stands_at(const Camera& eye) const;
   [[nodiscard]] bool has_one_of(const Camera& eye) const;
   [[nodiscard]] double texels_beside(const Camera& eye) const;
+  [[nodiscard]] double coarse_texels() const;
   Result<> work_beside();
   Result<> end_beside();
   void begin(const Camera& eye, double texels = 1);
@@ -162,6 +163,7 @@ class KeyframeProducer {
   int made_columns_ = 0, made_frames_ = 0;
   bool measured_ = false;  // was one completed?
   KeyframeWork done_;
+  double coarse_texel_ms_ = 0;  // of the last coarse one; 0: there was none
 
   // Beside the frames: while in_flight_ only the other thread uses maker_, failed_ and beside_ms_.
   std::atomic<bool> in_flight_{false};

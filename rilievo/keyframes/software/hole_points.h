@@ -41,6 +41,10 @@ class HolePoints {
   // square where there is no other point.
   static constexpr float kReach = 0.55f, kFarReach = 0.9f;
 
+  // As many pixels at most are shown by one point.
+  static constexpr std::size_t kMostShown = 4;
+  static_assert(2 * kFarReach < 2, "of a row, two pixels");
+
   // Shows points in the holes of a frame, but those of objects for which `included` is false.
   void show(const Camera& camera, std::span<const FramePixel> holes,
             std::span<const bool> included);

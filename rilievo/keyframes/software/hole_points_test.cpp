@@ -130,6 +130,28 @@ TEST(HolePoints, HolesShowWhatTheDefinitionSays) {
   EXPECT_LT(unsure, 2000);
 }
 
+TEST(HolePoints, APointIsShownByFourPixelsAtMost) {
+  Random random(9);
+  double most = 0;
+  const bool included[] = {true};
+  for (int i = 0; i < 200; ++i) {
+    std::vector<FoundInHole> found;
+    for (const FramePixel pixel : random_pixels(random, 0.01f))
+      found.push_back({pixel, 0.1f, 0xff0000ffu, 0});
+    if (found.empty()) continue;
+    const double step = 0.03 * random.unit();
+    HolePoints points;
+    points.keep(eye_at({0, 0, 0}, {0, 0, -10}), found);
+    const std::vector<FramePixel> holes = random_pixels(random, 1);
+    points.show(eye_at({step, step, 0}, {step, step, -10}), holes, included);
+    std::size_t shown = 0;
+    for (std::size_t hole = 0; hole < holes.size(); ++hole) shown += points.shows(hole);
+    EXPECT_LE(shown, HolePoints::kMostShown * found.size());
+    most = std::max(most, double(shown) / double(found.size()));
+  }
+  EXPECT_GT(most, 3.5);
+}
+
 TEST(HolePoints, AStandingEyeSeesEachPointInItsPixel) {
   Random random(6);
   const Camera camera = eye_at({1000, 20, -3000}, {1010, 15, -3100});

@@ -183,7 +183,9 @@ Result<> KeyframeFrames::State::warp(double time) {
   if (!from.empty()) {
     if (Result<> done = warp_from(from); !done) return done;
   }
-  const bool fails = from.empty() || double(find_holes()) > most;
+  // After a jump nearly all are holes: these are not worth finding.
+  const bool fails = from.empty() || double(keyframe_tiles.least_open(warped)) > most ||
+                     double(find_holes()) > most;
   if (fails && !from.empty() && cheaper && cheaper->leave_keyframes(producer->frame_ms())) {
     warps = false, shares.cast = 0;
     return Done{};

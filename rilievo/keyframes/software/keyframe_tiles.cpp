@@ -6,6 +6,7 @@
 #include <bit>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "rilievo/core/expects.h"
 #include "rilievo/core/parallel_for.h"
@@ -47,6 +48,8 @@ struct KeyframeTiles::State {
   mutable std::vector<std::uint32_t> colors;  // of these; 0: not shaded
   std::optional<ShadedScene> view;
   Relight light;
+  // Is there one, as points have it? Those with another light are forgotten.
+  bool points_have_light = false, forget_points = false;
   mutable tbb::enumerable_thread_specific<SeenTriangles> threads;
   SkyDrawer sky{*this};
 
@@ -132,7 +135,7 @@ void KeyframeTiles::State::find_open() {
 
 // Takes what rays found in the last frame of colours.
 void KeyframeTiles::State::keep_points() {
-  if (!uses_points) {
+  if (!uses_points || std::exchange(forget_points, false)) {
     points.clear();
     return;
   }
@@ -145,6 +148,12 @@ void KeyframeTiles::State::keep_points() {
       found.push_back({open[i], inverse_z, colors[i], caster.object_of(caster.triangles()[i])});
   }
   points.keep(camera, found);
+}
+
+std::size_t KeyframeTiles::least_open(const WarpedFrame& warped) const {
+  const std::size_t points = state_->points.size() + state_->colors.size();
+  const std::size_t holes = warped.holes();
+  return holes - std::min(holes, HolePoints::kMostShown * points);
 }
 
 std::size_t KeyframeTiles::find_holes(const Camera& camera, const WarpedFrame& warped,
@@ -177,6 +186,7 @@ void KeyframeTiles::place(int samples, std::span<const std::uint32_t> objects,
   s.colors.assign(s.uses_points ? s.open.size() : 0, 0);
   s.view.emplace(s.caster.view(camera, s.samples));
   s.light.begin(keyframes, camera);
+  s.forget_points = s.light.any() != std::exchange(s.points_have_light, s.light.any());
 }
 
 void KeyframeTiles::place_objects(const Image<std::uint32_t>& shown,

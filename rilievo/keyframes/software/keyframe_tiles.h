@@ -31,6 +31,8 @@ class KeyframeTiles final : public TileDrawer {
   // live until the frame is drawn.
   std::size_t find_holes(const Camera& camera, const WarpedFrame& warped,
                          std::span<const std::uint32_t> objects, std::size_t most_fine);
+  // Before find_holes(): no fewer will be left to rays. Takes no time.
+  [[nodiscard]] std::size_t least_open(const WarpedFrame& warped) const;
   // After find_holes() of this frame and the same `objects`: prepares colours with 1 or 4 samples,
   // in the light of `keyframes`.
   void place(int samples, std::span<const std::uint32_t> objects,
