@@ -303,6 +303,10 @@ Result<> view_scene(const ViewCommand& options) {
   if (!opened) return opened.error();
   const Result<FramePlan> plan = plan_frames(options.frames, *opened);
   if (!plan) return plan.error();
+  MethodOptions with = options.methods;
+  const Result<ProgramScene> program =
+      ProgramScene::create(options.scene, options.limits, opened->scene, with);
+  if (!program) return program.error();
   const auto window = open_window(options);
   if (!window) return window.error();
   Stage stage(opened->scene, options.frames.samples, &opened->deformations);
@@ -314,10 +318,6 @@ Result<> view_scene(const ViewCommand& options) {
   subject.moves = opened->scene.duration > 0 || !opened->deformations.meshes.empty();
   for (const std::string& name : method_names())
     if (name != first) subject.methods.push_back(name);
-  MethodOptions with = options.methods;
-  const Result<ProgramScene> program =
-      ProgramScene::create(options.scene, options.limits, opened->scene, with);
-  if (!program) return program.error();
   subject.make = [&](const std::string& method, MethodOptions methods) {
     set_eyes(*plan, methods);
     methods.program_scene = with.program_scene;

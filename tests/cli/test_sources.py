@@ -73,6 +73,7 @@ for line in sys.stdin:
         continue
     log.write("picture %s\\n" % json.dumps(ask["camera"], sort_keys=True))
     log.write("samples %d noise %s\\n" % (ask["samples"], ask.get("noise"))); log.flush()
+    if sys.argv[1:]: log.write("opened %s\\n" % open(sys.argv[1], "rb").read(4).decode()); log.flush()
     if fault[0] == "dies": os._exit(3)
     if fault[0] == "garbage": print("Fra:1 Mem:23M", flush=True); continue
     if fault[0] == "says": print(json.dumps({"id": ask["id"], "error": "out of paint"}), flush=True); continue
@@ -227,6 +228,7 @@ class Sources(Case):
             self.bake("layered-relief", self.exec, *arguments, scene=scene)
             opened = self.log.read_text().splitlines()[0].split()[1]
             self.assertTrue(opened.endswith("/scene.glb"), opened)
+            self.assertIn("opened glTF", self.log.read_text())
             self.assertFalse(pathlib.Path(opened).exists())
 
     def test_a_program_that_makes_keyframes_gets_the_scene_or_one_of_its_own(self):
@@ -237,14 +239,17 @@ class Sources(Case):
         for arguments, scene, opens in (((), glb, glb), (("--program-scene", own), glb, own), ((), STONES, None),
                                         (("--up", "z", "--units", "cm"), glb, None)):
             self.log.unlink(missing_ok=True)
-            self.succeeds("render", scene, "--method", "keyframes", "--source", self.exec, *arguments, "--size",
-                          "64x48", "--frames", "1", "--draw", "software", "-o", self.folder / "frames")
-            opened = self.log.read_text().splitlines()[0].removeprefix("opens ")
-            if opens:
-                self.assertEqual(opened, str(opens))
-            else:
-                self.assertTrue(opened.endswith("/scene.glb"), opened)
-                self.assertFalse(pathlib.Path(opened).exists())
+            for command in (("render", scene, "--method"), ("compare", scene, "--methods")):
+                self.succeeds(*command, "keyframes", "--source", self.exec, *arguments, "--size", "64x48",
+                              "--frames", "1", "--draw", "software", "-o", self.folder / command[0])
+                opened = self.log.read_text().splitlines()[0].removeprefix("opens ")
+                if opens:
+                    self.assertEqual(opened, str(opens))
+                else:
+                    self.assertTrue(opened.endswith("/scene.glb"), opened)
+                    self.assertIn("opened glTF", self.log.read_text())
+                    self.assertFalse(pathlib.Path(opened).exists())
+                self.log.unlink()
 
     def test_a_program_beside_frames_gives_way_to_them(self):
         heard = self.folder / "nice"
