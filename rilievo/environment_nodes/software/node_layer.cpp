@@ -24,6 +24,8 @@ namespace {
 constexpr double kNearShare = 0.25;
 // Triangles are cut so many frames beside the frame, where single precision would not suffice.
 constexpr double kGuard = 8;
+// The least w of corners by which is divided.
+constexpr double kInFront = 1e-30;
 
 using ClipCorner = NodeLayer::ClipCorner;
 
@@ -79,7 +81,7 @@ bool touches(const FrameBlocks& blocks, std::span<const ClipCorner> corners,
              const glm::dvec2& size) {
   glm::dvec2 low(INFINITY), high(-INFINITY);
   for (const ClipCorner& c : corners) {
-    const double w = std::max(c.raster.z, 1e-30);
+    const double w = std::max(c.raster.z, kInFront);
     const glm::dvec2 at(c.raster.x / w, size.y - c.raster.y / w);
     low = glm::min(low, at), high = glm::max(high, at);
   }
@@ -176,8 +178,13 @@ void NodeLayer::add(std::uint32_t node, Part part, Soup& soup, const FrameBlocks
                    int(c.z <= 0) << 4;
       }
       if (outside) continue;
+      // In front of the eye a triangle that is cut lies within the bounds of the whole one.
+      const bool in_front = polygon[0].raster.z > kInFront && polygon[1].raster.z > kInFront &&
+                            polygon[2].raster.z > kInFront;
+      if (only && in_front && !touches(*only, {polygon, 3}, size)) continue;
       const int count = cut(polygon, nearest_, size);
-      if (only && !touches(*only, {polygon, std::size_t(std::max(count, 0))}, size)) continue;
+      if (only && !in_front && !touches(*only, {polygon, std::size_t(std::max(count, 0))}, size))
+        continue;
       if (part != Part::surfaces &&
           narrowness(nodes_[node], t, {polygon, std::size_t(std::max(count, 0))}) !=
               (part == Part::skins ? 2 : 1))
@@ -185,7 +192,7 @@ void NodeLayer::add(std::uint32_t node, Part part, Soup& soup, const FrameBlocks
       const auto first = std::uint32_t(soup.positions.size());
       for (int k = 0; k < count; ++k) {
         const ClipCorner& c = polygon[k];
-        const double w = std::max(c.raster.z, 1e-30);
+        const double w = std::max(c.raster.z, kInFront);
         soup.positions.emplace_back(c.raster.x / w, c.raster.y / w,
                                     double(kSkyDepth) - nearest_ * std::max(c.disparity / w, 0.0));
       }
@@ -367,7 +374,7 @@ int NodeLayer::narrowness(const Placed& placed, std::uint32_t triangle,
   const SkinWidth width = skin_width(placed, triangle);
   std::size_t narrow = 0;
   for (const ClipCorner& c : corners) {
-    const double w = std::max(c.raster.z, 1e-30);
+    const double w = std::max(c.raster.z, kInFront);
     narrow += width.is_narrow(std::floor(c.raster.x / w), std::floor(c.raster.y / w));
   }
   return narrow == 0 ? 0 : narrow == corners.size() ? 2 : 1;
