@@ -24,6 +24,8 @@ constexpr int kFirstSteps = 16;
 // at least, where it would take more ms by what the last one took. And its margin.
 constexpr double kCoarseTexels = 0.45, kLeastCoarseTexels = 0.25, kCoarseMs = 40;
 constexpr double kCoarseMargin = 1.1;
+// The share of the last one in the cost of a texel, where that is less than before.
+constexpr double kNewestCoarse = 0.25;
 // The share of the last band in the mean cost of a column.
 constexpr double kNewestCost = 0.1;
 // The share of the last frame in the mean time that holes take.
@@ -308,7 +310,10 @@ Result<std::span<const WarpedKeyframe>> KeyframeProducer::make_now() {
     maker.begin(request, std::exchange(spare_coarse_, {}));
     const Stopwatch step;
     if (Result<> made = maker.step(quick_, 1 << 20); !made) return made.error();
-    coarse_texel_ms_ = step.ms() / (double(request.camera.width) * request.camera.height);
+    const double texel_ms = step.ms() / (double(request.camera.width) * request.camera.height);
+    // Rises at once and falls slowly.
+    coarse_texel_ms_ =
+        std::max(texel_ms, coarse_texel_ms_ + (texel_ms - coarse_texel_ms_) * kNewestCoarse);
     add(maker.take());
     ++done_.coarse;
   } else {
