@@ -61,6 +61,9 @@ void leave_out_moving(const PlacedScene& placed, ShownFrame& shown) {
     return true;
   };
   std::erase_if(shown.in_view, leaves);
+  // What is covered counts as right: of a frame that mostly is it is not known how good it is.
+  const auto covered = std::ranges::count(shown.color.texels(), kCovered);
+  if (2 * std::size_t(covered) > shown.color.texels().size()) shown.by_cache = false;
 }
 
 Result<> begin_audition(const ShownFrame& shown, FrameSource& frames) {

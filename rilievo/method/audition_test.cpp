@@ -143,6 +143,30 @@ TEST_F(AuditionTest, what_moves_is_left_out_and_what_else_is_wrong_is_found) {
   }
 }
 
+TEST_F(AuditionTest, of_a_frame_that_what_moves_may_cover_nothing_is_known) {
+  auto built = make_builtin("builtin:bridge?triangles=100000");
+  ASSERT_TRUE(built.ok());
+  scene_ = std::move(built->scene);
+  Result<RayScene> rays = RayScene::create(scene_);
+  ASSERT_TRUE(rays.ok());
+  FrameLoss loss(std::move(*rays));
+  PlacedScene placed(scene_);
+  placed.set_time(4.5);
+  const auto moving =
+      std::ranges::find_if(scene_.objects, [](const Object& object) { return object.moving; });
+  ASSERT_NE(moving, scene_.objects.end());
+  const glm::dvec3 eye(placed.bounds()[std::size_t(moving - scene_.objects.begin())].center());
+  ShownFrame frame;
+  frame.camera = look_at(eye, eye + glm::dvec3(1, 0, 0.2), {0, 1, 0}, 0.9, 64, 36, 0.1, 500);
+  frame.color = Rgba8Image(64, 36, glm::u8vec4(90, 90, 90, 255));
+  frame.by_cache = true;
+  placed.cull(frame.camera, frame.in_view);
+  ShownFrame covered = frame;
+  leave_out_moving(placed, covered);
+  EXPECT_TRUE(cache_loss(frame, &loss));
+  EXPECT_FALSE(cache_loss(covered, &loss));
+}
+
 // Keyframes would take an eye that is the same in two frames to stand.
 TEST_F(AuditionTest, the_frame_before_the_one_that_is_shown_touches_memory) {
   struct Recorded final : FrameSource {

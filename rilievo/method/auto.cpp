@@ -318,6 +318,9 @@ Result<> AutoFrames::draw(const Camera& camera, double time) {
   // What was seen of them was elsewhere.
   if (eye_.jumped() && drawn_by_ == kKeyframes)
     loss_[kKeyframes].db.reset(), keyframes_->forget_loss();
+  // Nor are they kept for here.
+  if (eye_.jumped() && decision_->draws() != kKeyframes)
+    keyframes_seen_ = frame_ - kKeyframesLast - 1;
   // What the cache lost was measured elsewhere, too.
   if (eye_.jumped()) cheap_ = false, cache_loss_.reset();
   look(camera);

@@ -106,7 +106,8 @@ bool KeyframesDoubt::add(double drawn_ms, double keyframes_ms) {
 }
 
 bool kept_after_trial(int frames, int warm_up, double keyframes_ms, double cache_ms) {
-  return frames <= warm_up + kDecides && keyframes_ms <= kMayBeCheaper * cache_ms;
+  return keyframes_ms > 0 && frames <= warm_up + kDecides &&
+         keyframes_ms <= kMayBeCheaper * cache_ms;
 }
 
 Result<std::optional<double>> loss_ahead(const EyePrediction& eye, double time,
