@@ -307,13 +307,15 @@ Result<std::span<const WarpedKeyframe>> KeyframeProducer::make_now() {
     request.camera = keyframe_camera(frame_, kCoarseMargin, coarse_texels());
     request.objects = objects_, request.samples = 1;
     request.time = time_, request.coarse = true;
+    const Stopwatch step;  // with the memory that it takes
     maker.begin(request, std::exchange(spare_coarse_, {}));
-    const Stopwatch step;
     if (Result<> made = maker.step(quick_, 1 << 20); !made) return made.error();
     const double texel_ms = step.ms() / (double(request.camera.width) * request.camera.height);
-    // Rises at once and falls slowly.
+    // Rises at once and falls slowly; but of the first one much is what is done once.
     coarse_texel_ms_ =
-        std::max(texel_ms, coarse_texel_ms_ + (texel_ms - coarse_texel_ms_) * kNewestCoarse);
+        ++coarse_made_ <= 2
+            ? texel_ms
+            : std::max(texel_ms, coarse_texel_ms_ + (texel_ms - coarse_texel_ms_) * kNewestCoarse);
     add(maker.take());
     ++done_.coarse;
   } else {

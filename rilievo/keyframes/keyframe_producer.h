@@ -163,7 +163,8 @@ class KeyframeProducer {
   int made_columns_ = 0, made_frames_ = 0;
   bool measured_ = false;  // was one completed?
   KeyframeWork done_;
-  double coarse_texel_ms_ = 0;  // of the last coarse one; 0: there was none
+  int coarse_made_ = 0;
+  double coarse_texel_ms_ = 0;  // of the last coarse ones; 0: there was none
 
   // Beside the frames: while in_flight_ only the other thread uses maker_, failed_ and beside_ms_.
   std::atomic<bool> in_flight_{false};

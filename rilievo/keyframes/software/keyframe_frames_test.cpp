@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
+#include <thread>
 
 #include "rilievo/capture/forwarding_source.h"
 #include "rilievo/capture/ray_source.h"
@@ -389,52 +391,87 @@ class Dim final : public ForwardingSource {
   RaySource own_;
 };
 
+// The share of pixels within objects that are more than twice as bright as by Dim.
+double too_bright_share(const KeyframeFrames& frames, TestSource& direct, const Camera& camera) {
+  EXPECT_TRUE(direct.draw(camera, 0));
+  EXPECT_TRUE(direct.draw_objects());
+  const Image<std::uint32_t>& objects = direct.software_target()->objects();
+  const Rgba8Image &shown = frames.software_target()->color(),
+                   &bright = direct.software_target()->color();
+  int too_bright = 0;
+  for (int y = 1; y + 1 < kHeight; ++y)
+    for (int x = 1; x + 1 < kWidth; ++x) {
+      // An edge may be a pixel off, and the sky is as bright.
+      const std::uint32_t object = objects(x, y);
+      bool within = object != kNoObject;
+      for (int n = 0; n < 9; ++n)
+        within = within && objects(x - 1 + n % 3, y - 1 + n / 3) == object;
+      bool any = false;
+      for (int c = 0; c < 3; ++c) {
+        const float linear = linear_of_srgb_bytes()[bright(x, y)[c]];
+        any = any || float(shown(x, y)[c]) > 255 * srgb_from_linear(2 * Dim::kLight * linear);
+      }
+      too_bright += within && any;
+    }
+  return double(too_bright) / (kWidth * kHeight);
+}
+
+Camera eye_beside_stones(double x) {
+  const glm::dvec3 eye(x, 1.7, 6);
+  return look_at(eye, eye + glm::dvec3(0.8, -0.2, -1), {0, 1, 0}, 0.9, kWidth, kHeight, 0.1, 200);
+}
+
+Result<std::unique_ptr<CaptureSource>> make_dim(const RayScene& rays) {
+  return {std::make_unique<Dim>(rays)};
+}
+
 TEST(KeyframeFrames, HolesAreFilledInTheLightOfTheSource) {
   const BuiltinScene made = *make_builtin("builtin:stonehenge?triangles=20000");
   KeyframeFramesOptions options;
   options.keyframes.interval = 12;
   options.most_filled = 1;
-  const auto make = [](const RayScene& rays) -> Result<std::unique_ptr<CaptureSource>> {
-    return {std::make_unique<Dim>(rays)};
-  };
-  auto frames = KeyframeFrames::create(made.scene, make, options);
+  auto frames = KeyframeFrames::create(made.scene, make_dim, options);
   ASSERT_TRUE(frames);
   TestSource direct = software_direct(made.scene, 4);
   double filled = 0, most_bright = 0;
   for (int i = 0; i < 40; ++i) {
-    const glm::dvec3 eye(-8 + 0.2 * i, 1.7, 6);
-    const Camera camera =
-        look_at(eye, eye + glm::dvec3(0.8, -0.2, -1), {0, 1, 0}, 0.9, kWidth, kHeight, 0.1, 200);
+    const Camera camera = eye_beside_stones(-8 + 0.2 * i);
     ASSERT_TRUE((*frames)->draw(camera, 0));
     if (i % 3 != 1) continue;
     filled += (*frames)->shares().filled / 13;
-    ASSERT_TRUE(direct.draw(camera, 0));
-    ASSERT_TRUE(direct.draw_objects());
-    const Image<std::uint32_t>& objects = direct.software_target()->objects();
-    const Rgba8Image &shown = (*frames)->software_target()->color(),
-                     &bright = direct.software_target()->color();
-    int too_bright = 0;
-    for (int y = 1; y + 1 < kHeight; ++y)
-      for (int x = 1; x + 1 < kWidth; ++x) {
-        // An edge may be a pixel off, and the sky is as bright.
-        const std::uint32_t object = objects(x, y);
-        bool within = object != kNoObject;
-        for (int n = 0; n < 9; ++n)
-          within = within && objects(x - 1 + n % 3, y - 1 + n / 3) == object;
-        if (!within) continue;
-        for (int c = 0; c < 3; ++c) {
-          const float linear = linear_of_srgb_bytes()[bright(x, y)[c]];
-          if (float(shown(x, y)[c]) > 255 * srgb_from_linear(2 * Dim::kLight * linear)) {
-            ++too_bright;
-            break;
-          }
-        }
-      }
-    most_bright = std::max(most_bright, double(too_bright) / (kWidth * kHeight));
+    most_bright = std::max(most_bright, too_bright_share(**frames, direct, camera));
   }
   EXPECT_GT(filled, 0.05);
   // Silhouettes within an object, 0.010. Where holes have the light of rays it is 0.09.
   EXPECT_LT(most_bright, 0.02);
+}
+
+// Beside the frames another thread finds what its light is.
+TEST(KeyframeFrames, HolesAreInTheLightOfASourceBesideTheFrames) {
+  const BuiltinScene made = *make_builtin("builtin:stonehenge?triangles=20000");
+  KeyframeFramesOptions options;
+  options.keyframes.beside = true;
+  options.most_filled = 1;
+  auto frames = KeyframeFrames::create(made.scene, make_dim, options);
+  ASSERT_TRUE(frames);
+  TestSource direct = software_direct(made.scene, 4);
+  int keyframes = 0;
+  double at = -8;
+  for (int i = 0; i < 10'000 && keyframes < 4; ++i, at += 0.002) {
+    ASSERT_TRUE((*frames)->draw(eye_beside_stones(at), 0));
+    keyframes += (*frames)->shares().completed;
+    // The first frames show a coarse keyframe in the light of rays.
+    if (i == 0) {
+      EXPECT_GT(too_bright_share(**frames, direct, eye_beside_stones(at)), 0.3);
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  ASSERT_EQ(keyframes, 4);
+  // Half a metre on, where they do not show all.
+  const Camera on = eye_beside_stones(at + 0.5);
+  ASSERT_TRUE((*frames)->draw(on, 0));
+  EXPECT_GT((*frames)->shares().filled, 0.01);
+  EXPECT_LT(too_bright_share(**frames, direct, on), 0.02);
 }
 
 TEST(KeyframeFrames, WhatMovesIsDrawnAsPolygonsInFrontOfAndBehindWhatStands) {

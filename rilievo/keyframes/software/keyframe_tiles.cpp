@@ -135,10 +135,12 @@ void KeyframeTiles::State::find_open() {
 
 // Takes what rays found in the last frame of colours.
 void KeyframeTiles::State::keep_points() {
-  if (!uses_points || std::exchange(forget_points, false)) {
+  if (!uses_points) {
     points.clear();
     return;
   }
+  // What rays found in the last frame has the new light.
+  if (std::exchange(forget_points, false)) points.clear();
   RILIEVO_EXPECTS(colors.empty() || colors.size() == caster.inverse_z().size());
   found.clear();
   for (std::size_t i = 0; i < colors.size(); ++i) {
