@@ -377,7 +377,7 @@ FrameNodes nodes_for_frame(const EnvironmentNodes& nodes, const Camera& frame, s
     }
   };
   find_best();
-  // Of specks of one line of sight at most half were found.
+  // Specks of one line of sight are met one time in four: there may be more than was found.
   if (most < least && 2 * most >= least) {
     places.ask_all();
     find_best();
