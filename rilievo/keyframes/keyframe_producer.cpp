@@ -223,6 +223,7 @@ void KeyframeProducer::begin(const Camera& eye, double texels) {
 }
 
 void KeyframeProducer::add(Keyframe keyframe) {
+  if (options_.keyframe_ms == 0) typical_z_ = typical_depth(keyframe);
   // A coarse one is made where the others show little.
   std::size_t kept = keyframe.coarse ? 0 : kKept - 1;
   for (std::size_t i = ready_.size(); i-- > 0;) {
@@ -332,6 +333,27 @@ double KeyframeProducer::ms_a_frame() const {
   return std::max({options_.keyframe_ms, holes_ms_, allowed_ms_});
 }
 
+// Where time does not count an eye that moves fast gets a keyframe after fewer frames: else it
+// would have gone half around what it looks at before the next one is there.
+int KeyframeProducer::interval_at_speed() const {
+  if (options_.keyframe_ms > 0 || !prediction_.speed_known() || !(typical_z_ > 0))
+    return options_.interval;
+  const double step = glm::length(prediction_.after(1).position() - frame_.position());
+  return int(std::clamp(options_.most_travel * typical_z_ / std::max(step, 1e-300), 1.0,
+                        double(options_.interval)));
+}
+
+// The median depth of what its blocks show nearest; 0: it shows the sky alone.
+double KeyframeProducer::typical_depth(const Keyframe& keyframe) {
+  nearest_.clear();
+  for (const InverseRange& block : keyframe.blocks.texels())
+    if (!block.empty()) nearest_.push_back(block.nearest);
+  if (nearest_.empty()) return 0;
+  const auto middle = nearest_.begin() + std::ptrdiff_t(nearest_.size() / 2);
+  std::ranges::nth_element(nearest_, middle);
+  return 1 / double(*middle);
+}
+
 KeyframeProducer::Columns KeyframeProducer::columns_a_frame() const {
   constexpr int kBand = KeyframeMaker::kBand;
   const int width = camera_with(frame_, margin()).width;
@@ -341,8 +363,8 @@ KeyframeProducer::Columns KeyframeProducer::columns_a_frame() const {
   };
   // No more than needed; but an eye soon is where a keyframe that takes too many frames shows
   // little.
-  const int most = of_frames(allowed_ms_ > 0 ? std::min(options_.interval, kAllowedInterval)
-                                             : options_.interval),
+  const int interval = interval_at_speed();
+  const int most = of_frames(allowed_ms_ > 0 ? std::min(interval, kAllowedInterval) : interval),
             least = std::min(of_frames(kMostInterval), most);
   int expected = most;
   double a_frame = most;

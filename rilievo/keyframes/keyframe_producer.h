@@ -38,6 +38,9 @@ struct KeyframeOptions {
   double margin = 1.2;  // of a keyframe's sides over the frame's; of an eye that turns, more
   int samples = 4;      // of a texel: 1, 4 or 16
   int interval = 16;    // the least number of frames for a keyframe
+  // Without a limit of time a keyframe comes before the eye has gone farther, in distances of what
+  // it typically sees: that turns by some 15 degrees.
+  double most_travel = 0.25;
   // Time of a frame for keyframes; more if one took over 32 frames, or if holes take more. 0: no
   // limit.
   double keyframe_ms = 0;
@@ -134,6 +137,8 @@ class KeyframeProducer {
     int least, most, expected;
     double frames;
   };
+  [[nodiscard]] int interval_at_speed() const;
+  [[nodiscard]] double typical_depth(const Keyframe& keyframe);
   [[nodiscard]] Columns columns_a_frame() const;
   [[nodiscard]] double frames_ahead(const Columns& columns) const;
   [[nodiscard]] double ms_a_frame() const;
@@ -153,6 +158,8 @@ class KeyframeProducer {
   KeyframeMaker maker_;
   bool complete_ = false;  // what is made: it is used from the next frame on
   std::vector<WarpedKeyframe> chosen_;
+  double typical_z_ = 0;        // of the newest one, where time does not count; 0: not known
+  std::vector<float> nearest_;  // scratch of that
   double ms_per_column_ = 0;
   double visibility_ms_ = 0, shading_ms_ = 0;  // of the last keyframe
   double holes_ms_ = 0;                        // of the last frames

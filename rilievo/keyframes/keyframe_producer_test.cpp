@@ -121,6 +121,37 @@ TEST(KeyframeProducer, AWalkWhoseFirstFrameTakesLongGetsItsSecondKeyframeAhead) 
   EXPECT_NEAR(producer.chosen()[1].keyframe->camera.position().x, 0.42 + 8 * 0.02, 1e-6);
 }
 
+// Around the middle of the stones, whose blocks are typically as far as the eye is.
+TEST(KeyframeProducer, AFastEyeGetsAKeyframeAfterFewerFrames) {
+  ProducerStage stage;
+  const auto count_made = [&](double turn, double most_travel, double keyframe_ms) {
+    KeyframeProducer producer(
+        stage.source, stage.source,
+        {.samples = 1, .interval = 16, .most_travel = most_travel, .keyframe_ms = keyframe_ms});
+    int made = 0;
+    for (int i = 0; i < 64; ++i) {
+      const double angle = turn * i;
+      const glm::dvec3 eye(20 * std::sin(angle), 3, 20 * std::cos(angle));
+      const Camera frame = look_at(eye, {0, 1, 0}, {0, 1, 0}, 0.9, 96, 64, 0.1, 200);
+      if (producer.follow(frame, 0).empty()) {
+        EXPECT_TRUE(producer.make_now());
+      }
+      EXPECT_TRUE(producer.work());
+      made += producer.take_work().completed;
+    }
+    return made;
+  };
+  // A quarter of the distance is 0.25 rad: one keyframe in 16 frames (in 10, as bands are rounded
+  // up), and one in two to four.
+  const int slow = count_made(0.005, 0.25, 0), fast = count_made(0.1, 0.25, 0),
+            before = count_made(0.1, HUGE_VAL, 0), by_clock = count_made(0.1, 0.25, 1e-6);
+  EXPECT_LE(slow, 64 / 8);
+  EXPECT_LE(before, 64 / 8);
+  EXPECT_GE(fast, 64 / 4);
+  // Time goes first.
+  EXPECT_LE(by_clock, 64 / 8);
+}
+
 // An eye that is looked from and not followed.
 TEST(KeyframeProducer, AnEyeInTheMiddleIsShownByBothAlike) {
   ProducerStage stage;

@@ -250,7 +250,7 @@ TEST(KeyframeFrames, WhatIsNearIsDrawnAsPolygonsAndNothingBehindItIsMissing) {
   TestSource direct = software_direct(made.scene, 4);
   const auto walk = [&](double triangles) {
     KeyframeFramesOptions options;
-    options.keyframes.interval = 6;
+    options.keyframes.interval = 6, options.keyframes.most_travel = HUGE_VAL;
     options.near.triangles = triangles;
     auto frames = KeyframeFrames::create(made.scene, options);
     Seen seen;
@@ -293,7 +293,8 @@ TEST(KeyframeFrames, WhatBothKeyframesHideIsNotMissing) {
   for (int i = -20; i <= 20; ++i) add_box({float(i) + 0.5f, 0, -6}, {0.1f, 0.5f, 0.05f});
   finish(scene);
   KeyframeFramesOptions options;
-  options.keyframes.interval = 12, options.most_filled = 1, options.near.distance = 0;
+  options.keyframes.interval = 12, options.keyframes.most_travel = HUGE_VAL;
+  options.most_filled = 1, options.near.distance = 0;
   auto frames = KeyframeFrames::create(scene, options);
   ASSERT_TRUE(frames);
   TestSource direct = software_direct(scene, 4);
@@ -428,7 +429,7 @@ Result<std::unique_ptr<CaptureSource>> make_dim(const RayScene& rays) {
 TEST(KeyframeFrames, HolesAreFilledInTheLightOfTheSource) {
   const BuiltinScene made = *make_builtin("builtin:stonehenge?triangles=20000");
   KeyframeFramesOptions options;
-  options.keyframes.interval = 12;
+  options.keyframes.interval = 12, options.keyframes.most_travel = HUGE_VAL;
   options.most_filled = 1;
   auto frames = KeyframeFrames::create(made.scene, make_dim, options);
   ASSERT_TRUE(frames);
