@@ -13,7 +13,6 @@
 #include "rilievo/method/auto.h"
 #include "rilievo/method/relief_impostors.h"
 #include "rilievo/representation/software/software_factories.h"
-#include "rilievo/scene/builtin/builtin.h"
 
 namespace rilievo::app {
 namespace {

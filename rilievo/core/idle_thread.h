@@ -14,7 +14,8 @@
 
 namespace rilievo {
 
-// The nice value of such work, programs too: a weight of 15 beside 1024 of a frame's worker.
+// The nice value of work beside frames, by threads and by programs. The scheduler gives it a weight
+// of 15, and a frame's worker 1024.
 inline constexpr int kIdleNice = 19;
 
 // Runs tasks one after the other, in their order.

@@ -41,13 +41,13 @@ inline constexpr std::uint32_t kOwnParts = 2, kQuarterParts = kOwnParts + 4;
 // Of a texel without quarters.
 inline constexpr std::uint32_t kWholeTexel = quarter_code(Quarter::own, 4, 0);
 
-// A place of a keyframe's view, and the mean colour of one object there, linear: the keyframe's,
-// and the one that rays give it. kNoObject: neither.
+// A cell of a keyframe's view: the mean colour that the keyframe has there of one object, and the
+// colour that rays give it. Linear. An object of kNoObject: the cell is empty.
 struct LightCell {
   glm::vec3 source{0}, rays{0};
   std::uint32_t object = kNoObject;  // as Keyframe's
 };
-// What its source knows of light (keyframes/keyframe_light.h); empty: no more than rays do.
+// A grid of cells that relights fills (keyframes/keyframe_light.h). Empty: they stay as rays shade.
 struct KeyframeLight {
   Camera camera;  // a cell is a texel
   Image<LightCell> cells;

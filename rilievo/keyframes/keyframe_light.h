@@ -1,14 +1,13 @@
-// What the source of a keyframe knows of light that rays do not: shadows, reflections, light from
-// all around.
+// Relights the holes that rays fill, so that they match the keyframes around them.
 //
-// Holes are filled by rays, in the light of the scene's lights alone. Beside keyframes by a path
-// tracer these were bright outlines, and pillars without shadows. So at some cells of its view such
-// a keyframe keeps the colour that it has there and the one that rays give the same surface. What a
-// ray finds is multiplied by the factor between both, of the cells around its place that look like
-// it: of the same object, and of a similar colour by rays, which have its material and its slant.
+// Rays shade without shadows and without light from other surfaces. A path tracer's keyframe has
+// both, so that plain fills would be bright outlines in it. Such a keyframe keeps a grid of cells:
+// each has the keyframe's colour and the colour that rays give the same surface. The colour of a
+// fill is multiplied by the ratio of the two, a weighted mean over the cells around its place. A
+// cell has more weight if it is near, shows the same object, and has a similar colour by rays: then
+// it probably shows the same material at the same angle.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <span>
@@ -21,22 +20,23 @@
 
 namespace rilievo {
 
-// Finds the cells' light in a complete keyframe. `rays` captures them once more, of `objects`
-// (empty: all) at `time`. Fails where it does.
+// Fills the cells of a complete keyframe. `rays` captures its view once more, one sample a cell, of
+// `objects` (empty: all) at `time` (seconds). Fails where that capture does.
 Result<> find_light(CaptureSource& rays, std::span<const std::uint32_t> objects, double time,
                     Keyframe& keyframe);
 
-// Shows what rays find in a frame in the light of its keyframes. Any thread, after begin().
+// Relights the fills of a frame. After begin() any number of threads may call the rest.
 class Relight {
  public:
-  // So far around a place cells are looked at, in these steps and without the middle twice.
+  // The cells around a place: a square of 2 kReach + 1 cells at each of these steps.
   static constexpr int kReach = 2, kSteps[2] = {1, 4};
 
-  // Keyframes without light change nothing. They must live until the last shown().
+  // Begins a frame. Keyframes without cells change nothing. All must live until the last shown().
   void begin(std::span<const WarpedKeyframe> keyframes, const Camera& frame);
   [[nodiscard]] bool any() const { return !maps_.empty(); }
-  // The colour of a surface of `object` (index into Scene::objects) at raster place (x, y) of the
-  // frame, whose colour by rays is `color`; both are premultiplied sRGB bytes.
+  // Returns the relit colour of a surface at raster position (x, y) of the frame, in pixels, and
+  // 1 / eye_z. `object` is an index into Scene::objects, `color` what rays shade there. Colours are
+  // premultiplied sRGB bytes.
   [[nodiscard]] std::uint32_t shown(float x, float y, float inverse_z, std::uint32_t object,
                                     std::uint32_t color) const;
 

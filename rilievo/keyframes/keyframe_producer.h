@@ -38,15 +38,16 @@ struct KeyframeOptions {
   double margin = 1.2;  // of a keyframe's sides over the frame's; of an eye that turns, more
   int samples = 4;      // of a texel: 1, 4 or 16
   int interval = 16;    // the least number of frames for a keyframe
-  // Without a limit of time a keyframe comes before the eye has gone farther, in distances of what
-  // it typically sees: that turns by some 15 degrees.
+  // The farthest that the eye moves between two keyframes, as a share of the median depth of its
+  // view (0.25: by 14 degrees around it). With a limit of time, keyframe_ms, there is no such
+  // limit.
   double most_travel = 0.25;
   // Time of a frame for keyframes; more if one took over 32 frames, or if holes take more. 0: no
   // limit.
   double keyframe_ms = 0;
   bool beside = false;  // keyframes are made beside the frames, each at once
-  // Rays of the same scene, for the light of a source that knows more of it (keyframe_light.h);
-  // null: it does not. No one else may use it.
+  // Rays of the same scene, which fill Keyframe::light (keyframe_light.h), from another thread if
+  // `beside`: no one else may use them. Null: keyframes are lit as rays light.
   CaptureSource* light_rays = nullptr;
   const Sky* sky = nullptr;  // for sources that draw none; null: they do. See KeyframeRequest
 };

@@ -42,7 +42,7 @@ struct KeyframeRequest {
   // Drawn behind what a source captures that draws none of its own (such as the ray tracer), and
   // behind what covers a texel in part. Null: the source draws it.
   const Sky* sky = nullptr;
-  // Of the same scene: it gets Keyframe::light by them (keyframe_light.h). Null: none.
+  // Rays of the same scene, which fill Keyframe::light (keyframe_light.h). Null: it stays empty.
   CaptureSource* light_rays = nullptr;
   // Objects of its view that are not among `objects` (Keyframe::left_out). Copied
   std::span<const std::uint32_t> left_out = {};

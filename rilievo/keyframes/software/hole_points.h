@@ -41,7 +41,7 @@ class HolePoints {
   // square where there is no other point.
   static constexpr float kReach = 0.55f, kFarReach = 0.9f;
 
-  // As many pixels at most are shown by one point.
+  // A point is shown in at most so many pixels.
   static constexpr std::size_t kMostShown = 4;
   static_assert(2 * kFarReach < 2, "of a row, two pixels");
 

@@ -31,7 +31,7 @@ class KeyframeTiles final : public TileDrawer {
   // live until the frame is drawn.
   std::size_t find_holes(const Camera& camera, const WarpedFrame& warped,
                          std::span<const std::uint32_t> objects, std::size_t most_fine);
-  // Before find_holes(): no fewer will be left to rays. Takes no time.
+  // A lower bound of what find_holes() will return for this frame, at next to no cost. Before it.
   [[nodiscard]] std::size_t least_open(const WarpedFrame& warped) const;
   // After find_holes() of this frame and the same `objects`: prepares colours with 1 or 4 samples,
   // in the light of `keyframes`.
