@@ -20,12 +20,6 @@ constexpr std::size_t kSpare = 2;
 // program's first frame touches 100 MB more, which takes as long as several keyframes where the
 // system maps pages slowly (core/large_buffer.h).
 constexpr int kFirstSteps = 16;
-// A coarse keyframe's texels for each pixel of the frame, in each direction: of the first one; and
-// at least, where it would take more ms by what the last one took. And its margin.
-constexpr double kCoarseTexels = 0.45, kLeastCoarseTexels = 0.25, kCoarseMs = 40;
-constexpr double kCoarseMargin = 1.1;
-// The share of the last one in the cost of a texel, where that is less than before.
-constexpr double kNewestCoarse = 0.25;
 // The share of the last band in the mean cost of a column.
 constexpr double kNewestCost = 0.1;
 // The share of the last frame in the mean time that holes take.
@@ -75,7 +69,11 @@ double turn_between(const Camera& a, const Camera& b) {
 KeyframeProducer::KeyframeProducer(CaptureSource& source, CaptureSource& quick,
                                    const KeyframeOptions& options,
                                    std::vector<std::uint32_t> objects, NearObjects* near)
-    : source_(source), quick_(quick), options_(options), objects_(std::move(objects)), near_(near) {
+    : source_(source),
+      coarse_(quick),
+      options_(options),
+      objects_(std::move(objects)),
+      near_(near) {
   RILIEVO_EXPECTS(options.interval >= 1 && options.margin >= 1);
   if (options.beside) background_.emplace();
 }
@@ -128,7 +126,7 @@ std::span<const WarpedKeyframe> KeyframeProducer::follow(const Camera& frame, do
 void KeyframeProducer::keep_memory(Keyframe keyframe) {
   // Small: whole ones would have to grow again.
   if (keyframe.coarse)
-    spare_coarse_ = std::move(keyframe);
+    coarse_.reuse(std::move(keyframe));
   else
     spare_.push_back(std::move(keyframe));
 }
@@ -272,23 +270,16 @@ Result<> KeyframeProducer::make_whole() {
   while (maker_.busy())
     if (Result<> made = maker_.step(source_, columns); !made) return made.error();
   add(maker_.take());
-  while (options_.keyframe_ms > 0 && spare_.size() < kSpare) add_spare();
   ++done_.completed;
-  return Done{};
+  if (!(options_.keyframe_ms > 0)) return Done{};
+  while (spare_.size() < kSpare) add_spare();
+  return coarse_.take_memory(frame_, objects_, time_);
 }
 
 std::span<const WarpedKeyframe> KeyframeProducer::choose_for(const Camera& eye) {
   frame_ = eye;
   choose();
   return chosen_;
-}
-
-// For each pixel of the frame, in each direction. The machine may be slow, or others may use it.
-double KeyframeProducer::coarse_texels() const {
-  if (coarse_texel_ms_ == 0) return kCoarseTexels;
-  const Camera whole = keyframe_camera(frame_, kCoarseMargin);
-  return std::clamp(std::sqrt(kCoarseMs / (coarse_texel_ms_ * whole.width * whole.height)),
-                    kLeastCoarseTexels, 1.0);
 }
 
 Result<std::span<const WarpedKeyframe>> KeyframeProducer::make_now() {
@@ -303,21 +294,9 @@ Result<std::span<const WarpedKeyframe>> KeyframeProducer::make_now() {
     keep_memory(maker_.give_up());
   }
   if (coarse) {
-    KeyframeMaker maker;
-    KeyframeRequest request;
-    request.camera = keyframe_camera(frame_, kCoarseMargin, coarse_texels());
-    request.objects = objects_, request.samples = 1;
-    request.time = time_, request.coarse = true;
-    const Stopwatch step;  // with the memory that it takes
-    maker.begin(request, std::exchange(spare_coarse_, {}));
-    if (Result<> made = maker.step(quick_, 1 << 20); !made) return made.error();
-    const double texel_ms = step.ms() / (double(request.camera.width) * request.camera.height);
-    // Rises at once and falls slowly; but of the first one much is what is done once.
-    coarse_texel_ms_ =
-        ++coarse_made_ <= 2
-            ? texel_ms
-            : std::max(texel_ms, coarse_texel_ms_ + (texel_ms - coarse_texel_ms_) * kNewestCoarse);
-    add(maker.take());
+    Result<Keyframe> made = coarse_.make(frame_, objects_, time_);
+    if (!made) return made.error();
+    add(std::move(*made));
     ++done_.coarse;
   } else {
     if (Result<> made = make_whole(); !made) return made.error();

@@ -26,6 +26,7 @@
 #include "rilievo/core/background.h"
 #include "rilievo/core/result.h"
 #include "rilievo/core/stopwatch.h"
+#include "rilievo/keyframes/coarse_keyframes.h"
 #include "rilievo/keyframes/eye_prediction.h"
 #include "rilievo/keyframes/make_keyframe.h"
 #include "rilievo/keyframes/near_objects.h"
@@ -121,7 +122,6 @@ class KeyframeProducer {
   [[nodiscard]] bool stands_at(const Camera& eye) const;
   [[nodiscard]] bool has_one_of(const Camera& eye) const;
   [[nodiscard]] double texels_beside(const Camera& eye) const;
-  [[nodiscard]] double coarse_texels() const;
   Result<> work_beside();
   Result<> end_beside();
   void begin(const Camera& eye, double texels = 1);
@@ -146,7 +146,8 @@ class KeyframeProducer {
   Result<int> step(const Columns& columns, const Stopwatch& watch);
   void note_cost(double ms, int columns, double visibility_ms);
 
-  CaptureSource &source_, &quick_;
+  CaptureSource& source_;
+  CoarseKeyframes coarse_;
   KeyframeOptions options_;
   std::vector<std::uint32_t> objects_;
   NearObjects* near_;
@@ -155,7 +156,6 @@ class KeyframeProducer {
   Camera frame_;
   double time_ = 0;
   std::vector<Keyframe> ready_, spare_;  // the newest last
-  Keyframe spare_coarse_;
   KeyframeMaker maker_;
   bool complete_ = false;  // what is made: it is used from the next frame on
   std::vector<WarpedKeyframe> chosen_;
@@ -171,8 +171,6 @@ class KeyframeProducer {
   int made_columns_ = 0, made_frames_ = 0;
   bool measured_ = false;  // was one completed?
   KeyframeWork done_;
-  int coarse_made_ = 0;
-  double coarse_texel_ms_ = 0;  // of the last coarse ones; 0: there was none
 
   // Beside the frames: while in_flight_ only the other thread uses maker_, failed_ and beside_ms_.
   std::atomic<bool> in_flight_{false};
