@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "rilievo/core/parallel_for.h"
+#include "rilievo/core/touch_memory.h"
 #include "rilievo/keyframes/warp_keyframes.h"
 
 namespace rilievo {
@@ -91,16 +92,28 @@ void HolePoints::keep(const Camera& camera, std::span<const FoundInHole> found) 
       if (point.place.w > 0) point.place = glm::vec4(glm::vec3(glm::dvec3(point.place) - way), 1);
     origin_ = camera.position();
   }
-  for (const FoundInHole& one : found) {
-    const glm::dvec2 raster(one.pixel.x + 0.5, one.pixel.y + 0.5);
-    const glm::vec4 place =
-        one.inverse_z > 0
-            ? glm::vec4(world_from_raster(camera, raster, 1 / double(one.inverse_z)) - origin_, 1)
-            : glm::vec4(world_from_raster(camera, raster, 1) - camera.position(), 0);
-    points_.push_back({place, one.color, one.object});
-  }
+  points_.resize(kept + found.size());
+  parallel_for(std::size_t(0), (found.size() + kRun - 1) / kRun, [&](std::size_t run) {
+    const std::size_t end = std::min((run + 1) * kRun, found.size());
+    for (std::size_t i = run * kRun; i < end; ++i) {
+      const FoundInHole& one = found[i];
+      const glm::dvec2 raster(one.pixel.x + 0.5, one.pixel.y + 0.5);
+      const glm::vec4 place =
+          one.inverse_z > 0
+              ? glm::vec4(world_from_raster(camera, raster, 1 / double(one.inverse_z)) - origin_, 1)
+              : glm::vec4(world_from_raster(camera, raster, 1) - camera.position(), 0);
+      points_[kept + i] = {place, one.color, one.object};
+    }
+  });
 }
 
 void HolePoints::clear() { points_.clear(), shown_.clear(); }
+
+void HolePoints::take_memory(int width, int height, std::size_t holes) {
+  touch_memory(points_, 2 * holes);
+  touch_memory(shown_, 2 * holes);
+  touch_memory(used_, 2 * holes);
+  index_ = Image<std::uint32_t>(width, height);
+}
 
 }  // namespace rilievo

@@ -60,6 +60,9 @@ class HolePoints {
   void keep(const Camera& camera, std::span<const FoundInHole> found);
   // Forgets all.
   void clear();
+  // Forgets all, and takes the memory of frames of this size with so many holes that rays fill, and
+  // as many that points show.
+  void take_memory(int width, int height, std::size_t holes);
   [[nodiscard]] std::size_t size() const { return points_.size(); }
 
  private:

@@ -191,6 +191,8 @@ Result<> KeyframeFrames::State::warp(double time) {
     return Done{};
   }
   if (fails) {
+    if (!producer->any() && options.keyframes.keyframe_ms > 0)
+      keyframe_tiles.take_memory(camera.width, camera.height, std::size_t(most));
     take_memory();
     Result<std::span<const WarpedKeyframe>> made = producer->make_now();
     if (!made) return made.error();

@@ -10,6 +10,7 @@
 
 #include "rilievo/core/expects.h"
 #include "rilievo/core/parallel_for.h"
+#include "rilievo/core/touch_memory.h"
 #include "rilievo/keyframes/keyframe_light.h"
 #include "rilievo/keyframes/software/hole_points.h"
 #include "rilievo/render/software/block_place.h"
@@ -20,6 +21,9 @@ namespace {
 constexpr int kTileSize = FrameTile::kSize, kBlockSize = FrameTile::kBlock;
 
 static_assert(WarpedFrame::kStrip % kBlockSize == 0, "a block lies in one strip");
+
+// Open holes that a call of a thread looks at.
+constexpr std::size_t kOpenRun = 4096;
 
 int tiles_of(int pixels) { return (pixels + kTileSize - 1) / kTileSize; }
 
@@ -45,6 +49,7 @@ struct KeyframeTiles::State {
   std::vector<std::uint32_t> first, first_open;  // of each tile, and the end
   HolePoints points;
   std::vector<FoundInHole> found;             // in the open holes
+  std::vector<std::uint32_t> first_found;     // of each run of these, and the end
   mutable std::vector<std::uint32_t> colors;  // of these; 0: not shaded
   std::optional<ShadedScene> view;
   Relight light;
@@ -142,14 +147,42 @@ void KeyframeTiles::State::keep_points() {
   // What rays found in the last frame has the new light.
   if (std::exchange(forget_points, false)) points.clear();
   RILIEVO_EXPECTS(colors.empty() || colors.size() == caster.inverse_z().size());
-  found.clear();
-  for (std::size_t i = 0; i < colors.size(); ++i) {
-    const float inverse_z = caster.inverse_z()[i];
-    if (!(inverse_z > 0)) found.push_back({open[i]});
-    if (inverse_z > 0 && colors[i] != 0)
-      found.push_back({open[i], inverse_z, colors[i], caster.object_of(caster.triangles()[i])});
-  }
+  // All but surfaces that were not shaded, as something else covers them.
+  const auto taken = [&](std::size_t i) { return !(caster.inverse_z()[i] > 0) || colors[i] != 0; };
+  const std::size_t runs = (colors.size() + kOpenRun - 1) / kOpenRun;
+  const auto end_of = [&](std::size_t run) {
+    return std::min((run + 1) * kOpenRun, colors.size());
+  };
+  first_found.assign(runs + 1, 0);
+  parallel_for(std::size_t(0), runs, [&](std::size_t run) {
+    std::uint32_t number = 0;
+    for (std::size_t i = run * kOpenRun; i < end_of(run); ++i) number += std::uint32_t(taken(i));
+    first_found[run + 1] = number;
+  });
+  for (std::size_t i = 1; i <= runs; ++i) first_found[i] += first_found[i - 1];
+  found.resize(first_found.back());
+  parallel_for(std::size_t(0), runs, [&](std::size_t run) {
+    std::uint32_t to = first_found[run];
+    for (std::size_t i = run * kOpenRun; i < end_of(run); ++i) {
+      if (!taken(i)) continue;
+      FoundInHole& one = found[to++] = {open[i]};
+      const float inverse_z = caster.inverse_z()[i];
+      if (inverse_z > 0)
+        one.inverse_z = inverse_z, one.color = colors[i],
+        one.object = caster.object_of(caster.triangles()[i]);
+    }
+  });
   points.keep(camera, found);
+}
+
+void KeyframeTiles::take_memory(int width, int height, std::size_t holes) {
+  State& s = *state_;
+  touch_memory(s.holes, 2 * holes);
+  touch_memory(s.open, holes);
+  touch_memory(s.found, holes);
+  touch_memory(s.colors, holes);
+  s.points.take_memory(width, height, holes);
+  s.caster.take_memory(holes);
 }
 
 std::size_t KeyframeTiles::least_open(const WarpedFrame& warped) const {

@@ -26,6 +26,11 @@ class KeyframeTiles final : public TileDrawer {
   KeyframeTiles(const RayScene& rays, const TileDrawer& sky);
   ~KeyframeTiles() override;
 
+  // Takes the memory of frames of this size with so many holes that rays fill, and as many others,
+  // so that the first frame that has them touches no new page. Between two frames: what the last
+  // one found is forgotten.
+  void take_memory(int width, int height, std::size_t holes);
+
   // Begins a frame: finds its holes, and what the frames before tell of `objects` there, if there
   // are more than `most_fine`. Returns the number of those that rays have to tell of. `warped` must
   // live until the frame is drawn.

@@ -1,6 +1,7 @@
 // Does a steady frame of keyframes allocate memory?
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -54,6 +55,34 @@ TEST(HolePoints, SteadyFramesAllocateNothing) {
     points.keep(camera, std::span(found).first(i % 2 == 0 ? found.size() / 4 : 0));
   }
   EXPECT_EQ(allocations_here - before, 0u);
+}
+
+TEST(HolePoints, FirstFramesAllocateNothingWhereMemoryWasTaken) {
+  const bool included[] = {true};
+  const Camera camera = look_at({0, 0, 0}, {0, 0, -10}, {0, 1, 0}, 0.9, 60, 40, 0.1, 500);
+  // Half of the holes are seen by points, which stay, and half by rays.
+  std::vector<FramePixel> all, half;
+  for (int i = 0; i < 60 * 40; ++i) {
+    all.push_back({std::uint16_t(i % 60), std::uint16_t(i / 60)});
+    // No point shows another column's.
+    if (i % 4 == 0) half.push_back(all.back());
+  }
+  std::vector<FoundInHole> found;
+  for (const FramePixel pixel : half) found.push_back({pixel, 0.1f, 0xff0000ffu, 0});
+  HolePoints points;
+  points.take_memory(60, 40, 60 * 40 / 2);
+  const std::size_t before = allocations_here;
+  points.keep(camera, found);
+  points.show(camera, all, included);
+  found.clear();
+  EXPECT_EQ(allocations_here - before, 0u);
+  for (std::size_t hole = 0; hole < all.size(); ++hole)
+    if (!points.shows(hole)) found.push_back({all[hole], 0.1f, 0xff0000ffu, 0});
+  found.resize(std::min<std::size_t>(found.size(), 60 * 40 / 2));
+  const std::size_t then = allocations_here;
+  points.keep(camera, found);
+  EXPECT_EQ(allocations_here - then, 0u);
+  EXPECT_GT(points.size(), std::size_t(60 * 40 / 2));
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include "rilievo/core/expects.h"
 #include "rilievo/core/parallel_for.h"
+#include "rilievo/core/touch_memory.h"
 #include "rilievo/render/shading/picture_shader.h"
 #include "rilievo/render/shading/sample_buffer.h"
 
@@ -30,6 +31,11 @@ PixelCaster::PixelCaster(const RayScene& rays)
   }
 }
 PixelCaster::~PixelCaster() = default;
+
+void PixelCaster::take_memory(std::size_t samples) {
+  touch_memory(inverse_z_, samples);
+  touch_memory(triangles_, samples);
+}
 
 void PixelCaster::cast(const Camera& camera, int samples, std::span<const FramePixel> pixels,
                        std::span<const std::uint32_t> objects) {

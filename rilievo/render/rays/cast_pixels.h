@@ -36,6 +36,9 @@ class PixelCaster {
   explicit PixelCaster(const RayScene& scene);
   ~PixelCaster();
 
+  // Takes the memory of a call for so many samples, so that it touches no new page.
+  void take_memory(std::size_t samples);
+
   // Finds 1 or 4 samples of each pixel, of `objects` (indices; in any order). Requires a
   // perspective camera.
   void cast(const Camera& camera, int samples, std::span<const FramePixel> pixels,
