@@ -339,17 +339,16 @@ Result<> AutoFrames::draw(const Camera& camera, double time) {
   shared_chooser_->use_cache(choice.draws == kCache);
   active_ = frames_[choice.draws == kCache ? kDirect : choice.draws].get();
   double ms = begun_ms_;
-  // Also where the cache begins and has captured: polygons were drawn over what it showed.
-  const bool has_drawn =
-      std::exchange(begun_drawn_, false) && (choice.draws == kDirect || choice.draws == kCache);
-  const int shown_by = has_drawn && !begun_by_cache_ ? kDirect : choice.draws;
+  // What begins shows the first frame: polygons would be a change of method in the next one.
+  const bool begins = std::exchange(begun_drawn_, false),
+             has_drawn = begins && choice.draws == kDirect;
   if (!has_drawn) {
     const Stopwatch watch;
     if (Result<> drawn = active_->draw(camera, time); !drawn) return drawn;
     if (opengl && timed) backend_.finish();
-    ms = watch.ms();
+    ms = begins ? std::min(ms, watch.ms()) : watch.ms();
   }
-  show(camera, time, shown_by);
+  show(camera, time, choice.draws);
   if (choice.draws == kKeyframes || keep_keyframes(camera, time, choice)) keyframes_seen_ = frame_;
   if (choice.draws == kKeyframes) begins_with_keyframes_ = false;
   // Not beside the first captures of the cache, which take long enough.
@@ -364,7 +363,7 @@ Result<> AutoFrames::draw(const Camera& camera, double time) {
   const double counted_ms = load_.by_threads(shared_chooser_->counted_ms());
   if (!options_.by_clock) {
     ms = counted_ms;
-  } else if (timed && !disturbed && !has_drawn && active_ == frames_[kDirect].get() &&
+  } else if (timed && !disturbed && !begins && active_ == frames_[kDirect].get() &&
              counted_ms > 0) {
     const double slowness = std::clamp(ms / counted_ms, kFastest, kSlowest);
     // Captures of large meshes take many times what is counted for them.
@@ -381,7 +380,7 @@ Result<> AutoFrames::draw(const Camera& camera, double time) {
   if (timed) decision_->add(ms, disturbed);
   make_part(camera, time, ms);
   stats_ = active_->stats();
-  stats_.decision = {kCandidates[shown_by].name, describe(choice.reason), choice.expected_ms,
+  stats_.decision = {kCandidates[choice.draws].name, describe(choice.reason), choice.expected_ms,
                      choice.rival < 0 ? std::string_view() : kCandidates[choice.rival].name,
                      choice.rival_ms};
   fade(camera);

@@ -94,15 +94,9 @@ Result<bool> AutoFrames::keyframes_pay(const Camera& camera, double time) {
     return direct_ms >= times * (load_.keyframes_ms() + FrameLoad::kKeyframesOfDirect * direct_ms);
   };
   if (!pay(kKeyframesMayPay, load_.direct_ms())) return false;
-  // The cache's first frame is of polygons, as long as it captures nothing: it has it behind it.
   const Stopwatch watch;
-  // After a change of the frame's size the cache has pictures: direct drawing alone is timed.
-  for (const bool by_cache : {frame_ == 0, false}) {
-    shared_chooser_->use_cache(by_cache);
-    if (Result<> drawn = frames_[kDirect]->draw(camera, time); !drawn) return drawn.error();
-    begun_by_cache_ = by_cache;
-    if (frames_[kDirect]->stats().captures == 0) break;
-  }
+  shared_chooser_->use_cache(false);
+  if (Result<> drawn = frames_[kDirect]->draw(camera, time); !drawn) return drawn.error();
   begun_drawn_ = true;
   const double counted_ms = load_.by_threads(shared_chooser_->counted_ms());
   // It touched memory for the first time.

@@ -178,7 +178,6 @@ class AutoFrames final : public FrameSource {
   bool begins_with_keyframes_ = false;  // until they are prepared
   int begun_in_ = 0;                    // frame
   bool begun_drawn_ = false;            // polygons drew the first frame, to find out
-  bool begun_by_cache_ = false;         // ... by the cache, which captured nothing
   double begun_ms_ = 0;                 // what that took
   int frame_ = 0, counted_frames_ = 0, direct_frames_ = 0, drawn_by_ = kDirect;
   double slowness_ = 1;       // times as slow as the machine of FrameLoad
