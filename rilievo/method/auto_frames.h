@@ -84,6 +84,7 @@ class AutoFrames final : public FrameSource {
     bool jumped = false;                         // the eye did, since they were last told
     bool by_frames = false, first_seen = false;  // keyframes: frames make them; the first was seen
     KeyframesDoubt doubt;                        // of those
+    UsualTime usual;
     bool given_up = false;
     Audition found;
   };

@@ -20,7 +20,7 @@ constexpr int kSettles = 48;
 constexpr int kLooks = kAuditionLosses;
 // A frame and what it makes of keyframes take so many times the usual time; and so much they make
 // in a frame that takes that alone.
-constexpr double kWithKeyframes = 1.4, kLeastForKeyframes = 0.15;
+constexpr double kWithKeyframes = 1.6, kLeastForKeyframes = 0.15;
 // Keyframes take so little of a usual frame: two dozen usual ones would be slower than a walk.
 constexpr double kFarLess = 1 / 3.0;
 // What takes less than this share of what a model says of keyframes is cheaper: the model was off
@@ -98,6 +98,11 @@ void follow_way(const EyePrediction& eye, double time, KeyframeFrames& frames) {
 double time_for_keyframes(double ms, double usual_ms, double polygons_ms, double keyframes_ms) {
   if (keyframes_ms < kFarLess * std::min(usual_ms, polygons_ms)) return KeyframeProducer::kAtOnce;
   return std::max(kWithKeyframes * usual_ms - ms, kLeastForKeyframes * usual_ms);
+}
+
+double UsualTime::add(double ms, double drawn_ms, bool warm) {
+  least_ms_ = std::min(least_ms_, ms);
+  return warm && drawn_ms > 0 ? drawn_ms : least_ms_;
 }
 
 bool KeyframesDoubt::add(double drawn_ms, double keyframes_ms) {

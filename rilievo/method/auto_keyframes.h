@@ -2,6 +2,7 @@
 // them, and looked at before anyone sees what is warped from them.
 #pragma once
 
+#include <cmath>
 #include <condition_variable>
 #include <memory>
 #include <mutex>
@@ -53,12 +54,24 @@ class SharedEye {
 void follow_way(const EyePrediction& eye, double time, KeyframeFrames& frames);
 
 // The time that a frame may spend on keyframes that it makes a part of, where the frame took `ms`
-// and such frames take `usual_ms`: both together take about 1.4 times that, or what that frame
-// takes and a little. Where frames of keyframes are expected to take far less, `keyframes_ms`, than
-// such frames and than polygons, the sooner there are two the better: a frame makes all of one. The
-// frames alone do not say so: the cache's first ones capture.
+// and such frames take `usual_ms`: both together take about 1.6 times that, or what that frame
+// takes and a little. Of less, keyframes take more frames than a median of a walk bears. Where
+// frames of keyframes are expected to take far less, `keyframes_ms`, than such frames and than
+// polygons, the sooner there are two the better: a frame makes all of one. The frames alone do not
+// say so: the cache's first ones capture.
 [[nodiscard]] double time_for_keyframes(double ms, double usual_ms, double polygons_ms,
                                         double keyframes_ms);
+
+// What frames take that make parts of keyframes: the mean of what draws, once that is warm; before,
+// no more than the least of them, since others capture, or meet other programs.
+class UsualTime {
+ public:
+  // After a frame that took `ms`, of what draws, whose frames take `drawn_ms` (0: not known yet).
+  [[nodiscard]] double add(double ms, double drawn_ms, bool warm);
+
+ private:
+  double least_ms_ = HUGE_VAL;
+};
 
 // Are the first keyframes given up, which frames make parts of? Where what draws takes far less
 // than frames of keyframes would by their model, which may be off by half, for a dozen frames in a

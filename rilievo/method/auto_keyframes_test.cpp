@@ -13,7 +13,8 @@ namespace rilievo {
 namespace {
 
 // A walk of frames that take so long, and now and then a capture as well: however long keyframes
-// take, no frame is above 1.5 times the usual one for them.
+// take, no frame is above 1.6 times the usual one for them, and they are there before a quarter of
+// a walk of some seconds has gone by: its median is that of what draws then.
 TEST(AutoKeyframes, a_frame_that_makes_a_part_takes_little_longer_than_others) {
   for (const double usual : {4.0, 30.0, 200.0}) {
     double left = 40 * usual;
@@ -22,10 +23,10 @@ TEST(AutoKeyframes, a_frame_that_makes_a_part_takes_little_longer_than_others) {
       const double ms = (frames % 8 == 3 ? 1.35 : 0.95) * usual;
       const double part = time_for_keyframes(ms, usual, usual, usual / 2);
       EXPECT_GT(part, 0);
-      EXPECT_LE(ms + part, 1.5 * usual + 1e-9);
+      EXPECT_LE(ms + part, 1.6 * usual + 1e-9);
       left -= part;
     }
-    EXPECT_LT(frames, 120);
+    EXPECT_LT(frames, 70);
     // A frame that takes long anyway makes little.
     EXPECT_LT(time_for_keyframes(5 * usual, usual, usual, usual / 2), 0.2 * usual);
     EXPECT_EQ(time_for_keyframes(usual, usual, usual, usual / 4), KeyframeProducer::kAtOnce);
@@ -33,6 +34,20 @@ TEST(AutoKeyframes, a_frame_that_makes_a_part_takes_little_longer_than_others) {
     EXPECT_LT(time_for_keyframes(usual, usual, usual / 2, usual / 4), usual);
     EXPECT_LT(time_for_keyframes(usual, usual, 2 * usual, usual / 2), usual);
   }
+}
+
+// As in helmets-fly: the mean of a cache that warms up is that of frames that capture, and one met
+// another program. No part takes longer for it, and no frame makes a whole keyframe.
+TEST(AutoKeyframes, what_is_usual_is_not_what_the_first_captures_took) {
+  UsualTime usual;
+  double mean = 90;
+  for (const double ms : {33, 39, 45, 42, 163, 38}) {
+    mean += 0.4 * (ms - mean);
+    const double usual_ms = usual.add(ms, mean, false);
+    EXPECT_LE(usual_ms, ms);
+    EXPECT_LT(time_for_keyframes(ms, usual_ms, 164, 30), 0.65 * ms);
+  }
+  EXPECT_EQ(usual.add(40, 42, true), 42);
 }
 
 // What draws and what the model says of keyframes, as measured: in trucks-fly the cache takes

@@ -88,7 +88,7 @@ void AutoFrames::make_part(const Camera& camera, double time, double ms) {
   made_.given_up = warm && made_.doubt.add(decision_->drawn_ms(), outlook_[kKeyframes].guess_ms);
   if (made_.given_up) return;
   KeyframeFrames& frames = *prepared_keyframes();
-  const double usual_ms = decision_->drawn_ms() > 0 ? decision_->drawn_ms() : ms;
+  const double usual_ms = made_.usual.add(ms, decision_->drawn_ms(), warm);
   // After a jump they are of elsewhere.
   const bool jumped = std::exchange(made_.jumped, false);
   if (jumped) made_.first_seen = made_.followed = false;
