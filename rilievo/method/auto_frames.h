@@ -119,7 +119,8 @@ class AutoFrames final : public FrameSource {
                                                              bool again);
   void prepare(int method, const Camera& camera, double time);
   void make_part(const Camera& camera, double time, double ms);
-  void look_at_first_keyframe(double time);
+  void look_at_first_keyframe(const Camera& camera, double time);
+  bool keep_shown(const Camera& camera, double time, int drawn_by);
   [[nodiscard]] KeyframeFrames* prepared_keyframes() const {
     return keyframes_ ? keyframes_ : made_.keyframes.get();
   }

@@ -27,6 +27,8 @@ constexpr double kFarLess = 1 / 3.0;
 // by 0.44 to 1.3. And the frames in a row until that is believed.
 constexpr double kSurelyLess = 0.7;
 constexpr int kBelieved = 12;
+// What a second keyframe may bring, dB: more than it did where both were looked at.
+constexpr double kSecondBrings = 1;
 // What takes so many times as much, at most, may turn out to be cheaper; and the frames after a
 // warm-up until a decision is made.
 constexpr double kMayBeCheaper = 1.25;
@@ -108,6 +110,14 @@ double UsualTime::add(double ms, double drawn_ms, bool warm) {
 bool KeyframesDoubt::add(double drawn_ms, double keyframes_ms) {
   frames_ = drawn_ms < kSurelyLess * keyframes_ms ? frames_ + 1 : 0;
   return frames_ >= kBelieved;
+}
+
+bool first_is_hopeless(double loss_db, std::optional<double> cache_loss_db, double allowed_db) {
+  if (loss_db > kMostTimes * allowed_db) return true;
+  if (!cache_loss_db) return false;
+  // As they are judged when there are two.
+  const double sure = *cache_loss_db > kCertainly * allowed_db ? 1 : kCertainly;
+  return !good_enough(loss_db - kSecondBrings, cache_loss_db, sure * allowed_db);
 }
 
 bool kept_after_trial(int frames, int warm_up, double keyframes_ms, double cache_ms) {

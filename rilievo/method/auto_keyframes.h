@@ -85,6 +85,11 @@ class KeyframesDoubt {
   int frames_ = 0;
 };
 
+// The first keyframe alone loses that, as a look ahead says, and the cache's frame of the moment
+// (none: not known): will two lose too much, too? A second one has brought 0.7 dB at most.
+[[nodiscard]] bool first_is_hopeless(double loss_db, std::optional<double> cache_loss_db,
+                                     double allowed_db);
+
 // A trial of keyframes ended so many frames ago, and the cache, which warms up for `warm_up`
 // frames, draws again. Are they kept until it is known what it takes now? It was compared by what
 // it took before; where that was little less they may be the cheaper ones, and would have to be

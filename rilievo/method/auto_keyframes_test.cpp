@@ -67,6 +67,21 @@ TEST(AutoKeyframes, they_are_given_up_where_what_draws_takes_far_less) {
   EXPECT_EQ(given_up_in([](int) { return 42.0; }, 42), 60);
 }
 
+// What the first keyframe lost, the cache, and two keyframes, as measured: those that were refused
+// in the end, and with which the cache was good, are refused at once; and none that was wanted.
+TEST(AutoKeyframes, the_first_one_is_judged_beside_the_cache) {
+  EXPECT_TRUE(first_is_hopeless(7.1, 4.9, 4));    // helmets-fly; 7.2 dB with two
+  EXPECT_TRUE(first_is_hopeless(5.9, 3.3, 4));    // rabbits-inside; 7.7
+  EXPECT_TRUE(first_is_hopeless(4.3, 0.3, 4));    // hall-inside; 9.3
+  EXPECT_TRUE(first_is_hopeless(8.9, {}, 4));     // grove-inside
+  EXPECT_FALSE(first_is_hopeless(3.9, 8.6, 4));   // trucks-fly; 3.7
+  EXPECT_FALSE(first_is_hopeless(5.1, 4.9, 4));   // bridge; 4.4
+  EXPECT_FALSE(first_is_hopeless(2.9, 3.9, 4));   // town-fly; 3.5
+  EXPECT_FALSE(first_is_hopeless(2.2, 0.3, 4));   // grove-fly; 2.5
+  EXPECT_FALSE(first_is_hopeless(-3.8, -10, 4));  // scan-orbit; 0.9
+  EXPECT_FALSE(first_is_hopeless(7.1, {}, 4));
+}
+
 // As in bridge: 20 ms were measured before the trial and 25 ms after it.
 TEST(AutoKeyframes, after_a_trial_that_was_lost_by_little_they_are_kept_until_the_cache_is_warm) {
   const AutoCandidate candidates[] = {{"cache", 1, 12}, {"keyframes", 3, 1, 1, 48}};

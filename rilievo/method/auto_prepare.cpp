@@ -100,36 +100,45 @@ void AutoFrames::make_part(const Camera& camera, double time, double ms) {
   } else if (frames.prepared()) {
     stage_ = Preparing::shown;
   } else if (frames.any() && !std::exchange(made_.first_seen, true)) {
-    look_at_first_keyframe(time);
+    look_at_first_keyframe(camera, time);
   }
 }
 
-// Where the first one alone loses far too much a second one, which brings a few dB, is of no use.
-void AutoFrames::look_at_first_keyframe(double time) {
+// Where the first one alone loses far too much, as the cache does not, a second one is of no use.
+void AutoFrames::look_at_first_keyframe(const Camera& camera, double time) {
   stage_ = Preparing::first_looked_at;
+  keep_shown(camera, time, drawn_by_);
   prepared_ = false;
-  beside_->run([this, eye = eye_, time] {
-    const Result<std::optional<double>> loss_db = loss_ahead(eye, time, *prepared_keyframes());
+  beside_->run([this] {
+    KeyframeFrames& frames = *prepared_keyframes();
+    const Result<std::optional<double>> loss_db = loss_ahead(made_.eye, made_.shown.time, frames);
     made_.failed = !loss_db;
     if (loss_db) made_.found.loss_db = *loss_db;
+    FrameLoss of_cache(&frames.rays());
+    made_.found.cache_loss_db = cache_loss(made_.shown, &of_cache);
     prepared_ = true;
   });
+}
+
+// What is shown, for what is prepared to be compared with. False: no software drew it.
+bool AutoFrames::keep_shown(const Camera& camera, double time, int drawn_by) {
+  const SoftwareTarget* target = active_->software_target();
+  ShownFrame& shown = made_.shown;
+  made_.eye = eye_;
+  shown.camera = camera, shown.time = time, shown.by_cache = target && drawn_by == kCache;
+  if (!target) return false;
+  shown.color = target->color();
+  shown.before = as_large_as_shown(camera) ? shown_camera_ : camera;
+  backend_.placed().cull(camera, shown.in_view);
+  if (preparing_ == kKeyframes) leave_out_moving(backend_.placed(), shown);
+  return true;
 }
 
 // What was shown, for what is prepared to be compared with.
 void AutoFrames::show(const Camera& camera, double time, int drawn_by) {
   // The frame before a jump shows another place.
   if (preparing_ < 0 || stage_ != Preparing::shown || eye_.jumped()) return;
-  const SoftwareTarget* target = active_->software_target();
-  if (!target) return;
-  ShownFrame& shown = made_.shown;
-  shown.color = target->color();
-  shown.camera = camera, shown.time = time, shown.by_cache = drawn_by == kCache;
-  shown.before = as_large_as_shown(camera) ? shown_camera_ : camera;
-  made_.eye = eye_;
-  backend_.placed().cull(camera, shown.in_view);
-  if (preparing_ == kKeyframes) leave_out_moving(backend_.placed(), shown);
-  look_at_prepared();
+  if (keep_shown(camera, time, drawn_by)) look_at_prepared();
 }
 
 void AutoFrames::look_at_prepared() {
@@ -154,9 +163,9 @@ Result<> AutoFrames::adopt() {
   if (stage_ == Preparing::shown && active_->software_target()) return Done{};
   if (stage_ == Preparing::by_frames && !made_.given_up) return Done{};
   beside_->wait();
-  const auto most_db = kMostTimes * options_.loss_db;
   const bool first_refused =
-      stage_ == Preparing::first_looked_at && made_.found.loss_db && *made_.found.loss_db > most_db;
+      stage_ == Preparing::first_looked_at && made_.found.loss_db &&
+      first_is_hopeless(*made_.found.loss_db, made_.found.cache_loss_db, options_.loss_db);
   const bool goes_on = (stage_ == Preparing::made && made_.by_frames) ||
                        (stage_ == Preparing::first_looked_at && !first_refused);
   if (goes_on && !made_.failed) {
