@@ -7,6 +7,7 @@
 
 #include "rilievo/core/expects.h"
 #include "rilievo/core/parallel_for.h"
+#include "rilievo/nailboard/software/keep_rows.h"
 
 namespace rilievo {
 namespace {
@@ -57,38 +58,20 @@ void SoftwareNailboard::fill(int width, int height, int delta_bits, const Row& r
   make_room(cell_nearest_, sizes.cells);
   make_room(cell_opaque_, sizes.cells);
   parallel_for(0, cells_down(), [&](int band) {
-    // Of each column within the band.
-    static thread_local std::vector<std::uint16_t> codes_kept, nearest_kept, farthest_kept;
-    static thread_local std::vector<std::uint32_t> common_kept;
-    codes_kept.assign(stride, kNoCode), nearest_kept.assign(stride, kNoCode);
-    farthest_kept.assign(stride, 0), common_kept.assign(stride, ~0u);
-    // Where these are, and how many, is not asked for each texel.
-    const int columns = width;
-    std::uint16_t* const codes = codes_kept.data();
-    std::uint16_t* const nearest = nearest_kept.data();
-    std::uint16_t* const farthest = farthest_kept.data();
-    std::uint32_t* const common = common_kept.data();
-    const int end = std::min(height_, (band + 1) * kCell);
-    for (int y = band * kCell; y < end; ++y) {
-      std::uint32_t* const color = &color_[std::size_t(y) * stride];
-      std::memcpy(color, row(y, codes), std::size_t(width) * sizeof *color);
-      std::fill(color + width, color + stride, 0);
-      std::memcpy(&code_pairs_[std::size_t(y) * stride / 2], codes, stride * sizeof *codes);
-      for (int x = 0; x < columns; ++x) nearest[x] = std::min(nearest[x], codes[x]);
-      for (int x = 0; x < columns; ++x) farthest[x] = std::max(farthest[x], codes[x]);
-      for (int x = 0; x < columns; ++x) common[x] &= color[x];
+    // Kept: a steady frame allocates nothing.
+    static thread_local std::vector<std::uint16_t> codes;
+    static thread_local BandColumns columns;
+    codes.resize(stride);
+    std::fill(codes.begin() + width, codes.end(), kNoCode);
+    const int begin = band * kCell, end = std::min(height_, begin + kCell);
+    for (int y = begin; y < end; ++y) {
+      const auto* const texels = reinterpret_cast<const std::uint32_t*>(row(y, codes.data()));
+      const std::size_t at = std::size_t(y) * stride;
+      keep_row(texels, codes.data(), width, int(stride), y == begin, &color_[at],
+               &code_pairs_[at / 2], columns);
     }
-    for (int cell = 0; cell < cells_across(); ++cell) {
-      std::uint16_t least = kNoCode;
-      bool opaque = true;
-      for (int x = cell * kCell; x < std::min(width_, (cell + 1) * kCell); ++x) {
-        least = std::min(least, nearest[x]);
-        opaque = opaque && farthest[x] <= steps() && common[x] >> 24 == 255;
-      }
-      const std::size_t i = std::size_t(band) * std::size_t(cells_across()) + std::size_t(cell);
-      cell_nearest_[i] = least;
-      cell_opaque_[i] = opaque;
-    }
+    const auto across = std::size_t(cells_across()), first = std::size_t(band) * across;
+    keep_cells(columns, across, steps(), &cell_nearest_[first], &cell_opaque_[first]);
   });
   nearest_ = *std::min_element(cell_nearest_.begin(), cell_nearest_.end());
 }

@@ -5,6 +5,7 @@
 
 #include "rilievo/core/random.h"
 #include "rilievo/nailboard/software/composer_test_helpers.h"
+#include "rilievo/render/shading/simd_test_helpers.h"
 
 namespace rilievo {
 namespace {
@@ -68,14 +69,17 @@ TEST(SoftwareNailboard, keeps_each_texel_whatever_was_kept_before) {
   for (int i = 0; i < 24; ++i) {
     const int bits = i % 3 == 0 ? 16 : 8;
     const Nailboard board = random_picture(random, frame, bits, 20 + 17 * (i % 7));
-    kept.assign(board);
-    ASSERT_EQ(kept.width(), board.color.width());
-    ASSERT_EQ(kept.height(), board.color.height());
-    const Nailboard copy = kept.copy(board.geometry);
-    EXPECT_TRUE(copy.color == board.color);
-    EXPECT_TRUE(copy.delta == board.delta);
-    ASSERT_NO_FATAL_FAILURE(expect_cells(kept));
-    ASSERT_NO_FATAL_FAILURE(expect_nothing_beside(kept));
+    for_each_instruction_set([&](const char* set) {
+      SCOPED_TRACE(set);
+      kept.assign(board);
+      ASSERT_EQ(kept.width(), board.color.width());
+      ASSERT_EQ(kept.height(), board.color.height());
+      const Nailboard copy = kept.copy(board.geometry);
+      EXPECT_TRUE(copy.color == board.color);
+      EXPECT_TRUE(copy.delta == board.delta);
+      ASSERT_NO_FATAL_FAILURE(expect_cells(kept));
+      ASSERT_NO_FATAL_FAILURE(expect_nothing_beside(kept));
+    });
   }
 }
 
