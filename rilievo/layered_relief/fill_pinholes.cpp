@@ -104,8 +104,9 @@ std::optional<std::size_t> PinholeFinder::end_of_pinhole(int x, int y) const {
 void PinholeFinder::find(int y, PinholeScratch::Strip& strip) const {
   const auto width = std::size_t(camera_.width);
   strip.candidates.resize(width);
-  const std::size_t count = pinhole_candidates(delta_, camera_.width, camera_.height, y, step_,
-                                               widest_, strip.candidates.data());
+  const std::size_t count =
+      pinhole_candidates(delta_, camera_.width, camera_.height, y, step_, kPinholeEnds * step_,
+                         widest_, strip.candidates.data());
   for (std::size_t i = 0; i < count; ++i) {
     const int x = strip.candidates[i];
     if (const auto from = end_of_pinhole(x, y))

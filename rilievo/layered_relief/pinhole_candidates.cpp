@@ -1,8 +1,11 @@
-// Along a line let b_i be the least of the first i Deltas on one side, and a_j that of the first j
-// on the other. A gap of at most n texels has its ends i and j texels away with i + j <= n + 1, so
-// the texel lies in one if it is behind
+// Along a line let b_i be the Delta of the i-th texel on one side, and a_j that of the j-th on the
+// other. A gap of at most n texels has its ends i and j texels away with i + j <= n + 1, and they
+// are of one surface, so the texel lies in one only if it is behind
 //
-//   min over i = 1 ... n of max(b_i, a_(n + 1 - i))
+//   min over i + j <= n + 1, |b_i - a_j| <= ends, of max(b_i, a_j)
+//
+// Where leaves lie in random depths nearly every texel has something in front on both sides, but
+// few have two neighbours of one surface there.
 #include "rilievo/layered_relief/pinhole_candidates.h"
 
 #include <algorithm>
@@ -25,17 +28,20 @@ namespace {
 
 using U16 = hn::CappedTag<std::uint16_t, 32>;
 
-// That formula, of the texels at `row`, along a line with that stride.
-HWY_INLINE hn::Vec<U16> nearest_gap(const std::uint16_t* row, std::ptrdiff_t stride, int widest) {
+// That minimum, of the texels at `row`, along a line with that stride.
+HWY_INLINE hn::Vec<U16> nearest_ends(const std::uint16_t* row, std::ptrdiff_t stride, int widest,
+                                     hn::Vec<U16> ends) {
   const U16 d;
-  auto before = hn::LoadU(d, row - stride);
-  auto least = hn::Set(d, 0xffff);
+  const auto none = hn::Set(d, 0xffff);
+  auto least = none;
   for (int i = 1; i <= widest; ++i) {
-    if (i > 1) before = hn::Min(before, hn::LoadU(d, row - i * stride));
-    auto after = hn::LoadU(d, row + stride);
-    for (int j = 2; j <= widest + 1 - i; ++j)
-      after = hn::Min(after, hn::LoadU(d, row + j * stride));
-    least = hn::Min(least, hn::Max(before, after));
+    const auto before = hn::LoadU(d, row - i * stride);
+    for (int j = 1; j <= widest + 1 - i; ++j) {
+      const auto after = hn::LoadU(d, row + j * stride);
+      const auto farther = hn::Max(before, after);
+      const auto apart = hn::Sub(farther, hn::Min(before, after));
+      least = hn::Min(least, hn::IfThenElse(hn::Gt(apart, ends), none, farther));
+    }
   }
   return least;
 }
@@ -57,7 +63,7 @@ HWY_INLINE hn::Mask<U16> surrounded(const std::uint16_t* row, std::ptrdiff_t wid
 }
 
 std::size_t find_candidates(const std::uint16_t* delta, int width, int height, int y, int step,
-                            int widest, std::int32_t* columns) {
+                            int ends, int widest, std::int32_t* columns) {
   const U16 d;
   const int lanes = int(hn::Lanes(d));
   const bool inside = y >= widest && y + widest < height && width >= 2 * widest + lanes;
@@ -68,13 +74,13 @@ std::size_t find_candidates(const std::uint16_t* delta, int width, int height, i
   for (; x < (inside ? widest : width - 1); ++x) columns[count++] = x;
   if (!inside) return count;
   const auto by = hn::Set(d, std::uint16_t(std::min(step, 0xffff)));
+  const auto apart = hn::Set(d, std::uint16_t(std::min(ends, 0xffff)));
   const int end = width - widest;
   for (; x < end; x += lanes) {
     const int from = std::min(x, end - lanes);  // the last ones again
-    auto least = nearest_gap(row + from, 1, widest);
-    least = hn::Min(least, nearest_gap(row + from, width, widest));
-    least = hn::Min(least, nearest_gap(row + from, width + 1, widest));
-    least = hn::Min(least, nearest_gap(row + from, width - 1, widest));
+    auto least = nearest_ends(row + from, 1, widest, apart);
+    for (const std::ptrdiff_t stride : {width, width + 1, width - 1})
+      least = hn::Min(least, nearest_ends(row + from, stride, widest, apart));
     const auto in_front = hn::SaturatedSub(hn::LoadU(d, row + from), by);
     auto behind = hn::Gt(in_front, least);
     if (hn::AllFalse(d, behind)) continue;
@@ -100,9 +106,10 @@ namespace rilievo {
 HWY_EXPORT(find_candidates);
 
 std::size_t pinhole_candidates(const std::uint16_t* delta, int width, int height, int y, int step,
-                               int widest, std::int32_t* columns) {
+                               int ends, int widest, std::int32_t* columns) {
   RILIEVO_EXPECTS(widest >= 1);
-  return HWY_DYNAMIC_DISPATCH(find_candidates)(delta, width, height, y, step, widest, columns);
+  return HWY_DYNAMIC_DISPATCH(find_candidates)(delta, width, height, y, step, ends, widest,
+                                               columns);
 }
 
 }  // namespace rilievo
