@@ -5,6 +5,8 @@
 #include "rilievo/layered_relief/prewarp.h"
 
 #include <tbb/enumerable_thread_specific.h>
+#include <tbb/task_arena.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -143,7 +145,7 @@ void Prewarp::State::plan_tiles(Frame& f, const Camera* view,
       }
     if (f.shown.empty()) return;
   }
-  f.grid = strips(f.shown, options.tile_size);
+  f.grid = strips(f.shown, options.tile_size, tbb::this_task_arena::max_concurrency());
   const Texels all = f.grid.tiles_of(f.shown);
   for (int y = all.min.y; y < all.max.y; ++y)
     for (int x = all.min.x; x < all.max.x; ++x) tiles.emplace_back(x, y);
