@@ -134,16 +134,23 @@ void KeyframeProducer::keep_memory(Keyframe keyframe) {
 // Of those to come, wide enough for an eye that turns sideways: frames that are timed touch no new
 // page.
 void KeyframeProducer::add_spare() {
-  resize(spare_.emplace_back(),
-         camera_with(frame_, {options_.margin * kTurningMargin, options_.margin}),
-         makes_quarters(options_.samples));
+  resize(spare_.emplace_back(), widest(), makes_quarters(options_.samples));
+}
+
+// Of an eye that turns.
+Camera KeyframeProducer::widest() const {
+  return camera_with(frame_, {options_.margin * kTurningMargin, options_.margin});
 }
 
 void KeyframeProducer::reserve(const Camera& camera, double time) {
   RILIEVO_EXPECTS(!options_.beside && !any());
   frame_ = camera, time_ = time;
   take_memory();
-  begin(camera);
+  // Nothing is known yet of how the eye moves: a source grows its memory as a whole.
+  KeyframeRequest request;
+  request.camera = widest(), request.objects = objects_;
+  request.samples = options_.samples, request.time = time_, request.sky = options_.sky;
+  maker_.begin(request, reusable());
   if (options_.keyframe_ms > 0 && maker_.takes_parts(source_)) maker_.start(source_);
   keep_memory(maker_.give_up());
 }

@@ -119,6 +119,7 @@ class KeyframeProducer {
   [[nodiscard]] KeyframeMargin margin() const;
   [[nodiscard]] Camera camera_with(const Camera& frame, KeyframeMargin margin) const;
   [[nodiscard]] Camera plain(const Camera& eye) const;
+  [[nodiscard]] Camera widest() const;
   [[nodiscard]] bool stands_at(const Camera& eye) const;
   [[nodiscard]] bool has_one_of(const Camera& eye) const;
   [[nodiscard]] double texels_beside(const Camera& eye) const;

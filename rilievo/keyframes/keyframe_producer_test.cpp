@@ -8,7 +8,9 @@
 #include <mutex>
 #include <semaphore>
 #include <thread>
+#include <utility>
 
+#include "rilievo/capture/forwarding_source.h"
 #include "rilievo/capture/raster_source.h"
 #include "rilievo/core/stopwatch.h"
 #include "rilievo/scene/builtin/builtin.h"
@@ -187,6 +189,45 @@ TEST(KeyframeProducer, MemoryThatWasTakenSuffices) {
     EXPECT_EQ(producer.bytes(), before) << i;
   }
   EXPECT_TRUE(producer.has_two());
+}
+
+// The widest picture that a source captured in parts.
+class WidthOfParts final : public ForwardingSource {
+ public:
+  using ForwardingSource::ForwardingSource;
+  std::unique_ptr<PictureInParts> in_parts() override {
+    struct Parts final : PictureInParts {
+      Result<> begin(const CaptureRequest& request) override {
+        *widest = std::max(*widest, request.camera.width);
+        return parts->begin(request);
+      }
+      int advance(double share) override { return parts->advance(share); }
+      void read(int from, int to, DepthImage& picture) override { parts->read(from, to, picture); }
+      std::unique_ptr<PictureInParts> parts;
+      int* widest = nullptr;
+    };
+    auto made = std::make_unique<Parts>();
+    made->parts = source_.in_parts(), made->widest = &widest;
+    return made;
+  }
+  int widest = 0;
+};
+
+// A source's memory, too, though nothing is known yet of how the eye turns.
+TEST(KeyframeProducer, WhatWasReservedSufficesForAnEyeThatTurns) {
+  ProducerStage stage;
+  WidthOfParts source(stage.source);
+  KeyframeProducer producer(source, source, {.samples = 4, .interval = 4, .keyframe_ms = 1e-3});
+  producer.reserve(ProducerStage::eye(0), 0);
+  const int reserved = std::exchange(source.widest, 0);
+  for (int i = 0; i < 200 && !producer.has_two(); ++i) {
+    (void)producer.follow(ProducerStage::eye(0.02 * i, 0.01 * i), 0);
+    ASSERT_TRUE(producer.work());
+    producer.take_complete();
+  }
+  EXPECT_TRUE(producer.has_two());
+  EXPECT_GT(source.widest, 0);
+  EXPECT_LE(source.widest, reserved);
 }
 
 TEST(KeyframeProducer, AnEyeThatStandsFromTheFirstFrameOnGetsASharpOneAndNoOther) {
