@@ -51,9 +51,6 @@ constexpr int kSure = 60;
 // A trial that was disturbed is repeated after so many frames, so many times at most.
 constexpr int kRepeat = 20, kMostRepeats = 2;
 constexpr int kWarmsUpLong = AutoTrials::kWarmsUpLong;
-// A frame of a warm-up takes so much more than others, at most, in the mean: more is the work of
-// other programs.
-constexpr double kMostOfWarmUp = 0.7;
 
 double doubt(int age) { return std::min(kMostDoubt, kDoubt * std::sqrt(double(age))); }
 
@@ -190,9 +187,9 @@ int AutoDecision::worth_trying(std::span<const AutoOutlook> outlook, bool ready)
     if (!better(hope, i, now, draws_)) continue;
     // A model knows what has changed since; without one the method may have become cheaper.
     if (one.guess_ms > 0 && likely > kMaySpike * free_ms()) continue;
-    if (!trials_.affords({candidate.warm_up, likely, expected(i, one), cost.mean_ms > 0, cost.fails,
-                          cost.warm_up_more},
-                         free_ms(), now))
+    if (!trials_.affords(
+            {candidate.warm_up, likely, expected(i, one), cost.mean_ms > 0, cost.fails}, free_ms(),
+            now))
       continue;
     const double pays = kPaysWithin * candidate.chance * (now - (hope + likely) / 2);
     const bool promises =
@@ -401,18 +398,6 @@ void AutoDecision::note_calm(Cost& cost) {
   unsettled_ = now > AutoTrials::kMuch * cost.calm ? unsettled_ + 1 : 0;
 }
 
-// What draws took `ms`. What it takes to warm up is known when it is warm: to return to it later
-// costs that again. The first frame of all is no such frame.
-void AutoDecision::note_warm_up(Cost& cost, double ms) {
-  const int warm_up = candidates_[std::size_t(draws_)].warm_up;
-  if (warm_up < kWarmsUpLong) return;
-  if (since_change_ <= 1) cost.warming_ms = 0;
-  if (since_change_ > 1 && since_change_ <= warm_up) cost.warming_ms += ms;
-  if (since_change_ == warm_up + AutoTrials::kFrames)
-    cost.warm_up_more =
-        std::clamp(cost.warming_ms / cost.mean_ms - (warm_up - 1), 0.0, kMostOfWarmUp * warm_up);
-}
-
 // After a trial that failed: if what draws takes much more, too, something else took the time, and
 // nothing was found.
 void AutoDecision::doubt_failed(double ms) {
@@ -453,7 +438,6 @@ void AutoDecision::add(double ms, bool disturbed) {
   if (!warms_up && cost.recent.count() >= kLeastForMedian)
     ms = std::min(ms, AutoTrials::kMuch * cost.recent.median());
   cost.mean_ms += (ms - cost.mean_ms) * newest;
-  note_warm_up(cost, ms);
   if (cost.frames > kLast && !disturbed && guess_ms > 0 && cost.guess_ms > 0)
     slow_ *= cost.mean_ms / before_ms * cost.guess_ms / guess_ms;
   cost.age = 0;

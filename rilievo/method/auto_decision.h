@@ -130,8 +130,6 @@ class AutoDecision {
     // The median of what the last ones took at its best, of late; over the model's if it has one.
     double calm = 0;
     bool calm_of_guess = false;
-    double warming_ms = 0;    // of the frames of its warm-up, but the first one
-    double warm_up_more = 0;  // by so many frames after it they took longer; 0: unknown
   };
   [[nodiscard]] double expected(int i, const AutoOutlook& outlook) const;
   [[nodiscard]] double unexplained(int i) const;
@@ -149,7 +147,6 @@ class AutoDecision {
   void end_trial(std::span<const AutoOutlook> outlook);
   [[nodiscard]] double over_guess(double ms) const;
   void note_calm(Cost& cost);
-  void note_warm_up(Cost& cost, double ms);
   void doubt_failed(double ms);
 
   std::vector<AutoCandidate> candidates_;

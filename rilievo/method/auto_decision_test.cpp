@@ -435,22 +435,5 @@ TEST(AutoDecision, the_same_input_gives_the_same_decisions) {
   EXPECT_EQ(walk(methods, 0, 500, 0.3, 4).frames, walk(methods, 0, 500, 0.3, 4).frames);
 }
 
-// As in town-fly: the cache takes 34 ms when it is warm, and the first frames of its warm-up, which
-// capture, two and three times that, as in each trial of it.
-TEST(AutoDecision, what_was_dear_to_warm_up_is_seldom_returned_to) {
-  const auto drawn = [](double cold, int frames) {
-    return walk({{{"cache", 1, 12}, always(34), 0, cold}, {{"keyframes", 3, 1}, always(31), 1}}, 0,
-                frames, 0.05, 3)
-        .drawn[0];
-  };
-  for (const double cold : {1.1, 1.6}) {
-    const int begins = drawn(cold, 60);
-    EXPECT_LT(begins, 30) << cold;
-    // Where it costs little, once in some seconds; and it is not forgotten.
-    EXPECT_EQ(drawn(cold, 300) > begins, cold < 1.5) << cold;
-    EXPECT_GT(drawn(cold, 1200), begins) << cold;
-  }
-}
-
 }  // namespace
 }  // namespace rilievo

@@ -49,7 +49,7 @@ bool AutoTrials::affords(const TrialOutlook& outlook, double free_ms, double now
   double expense = std::max(0.0, outlook.likely_ms - free_ms) * (outlook.warm_up + kFrames);
   // To return to what warms up for long is an expense.
   if (outlook.measured && outlook.warm_up >= kWarmsUpLong)
-    expense += outlook.likely_ms * std::max(kWarmUpMore * outlook.warm_up, outlook.warm_up_more);
+    expense += kWarmUpMore * outlook.likely_ms * outlook.warm_up;
   // What is hoped for against what was measured is tried once for nothing.
   const double measured = std::min(outlook.expected_ms, kMostOfFrame * free_ms);
   if (outlook.fails >= 2 && measured > kContradicts * outlook.likely_ms)

@@ -21,8 +21,6 @@ struct TrialOutlook {
   double expected_ms = 0;  // the same, as it was measured or by its model
   bool measured = false;   // it has drawn before
   int fails = 0;           // of its trials, in a row
-  double warm_up_more =
-      0;  // by so many frames its last warm-up took longer than others; 0: unknown
 };
 
 // The trials of one sequence of frames.
