@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "rilievo/core/stopwatch.h"
 
@@ -41,13 +40,12 @@ Result<Keyframe> CoarseKeyframes::make(const Camera& frame, std::span<const std:
   return maker_.take();
 }
 
-Result<> CoarseKeyframes::take_memory(const Camera& frame, std::span<const std::uint32_t> objects,
-                                      double time) {
-  if (made_ > 0) return Done{};
-  Result<Keyframe> made = make(frame, objects, time);
-  if (!made) return made.error();
-  reuse(std::move(*made));
-  return Done{};
+void CoarseKeyframes::take_memory(const Camera& frame, std::span<const std::uint32_t> objects,
+                                  double time) {
+  if (std::exchange(has_memory_, true) || made_ > 0) return;
+  if (Result<Keyframe> made = make(frame, objects, time)) reuse(std::move(*made));
+  // New pages took a part of the time.
+  made_ = 0, texel_ms_ = 0;
 }
 
 }  // namespace rilievo

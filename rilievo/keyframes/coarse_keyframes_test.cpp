@@ -18,11 +18,13 @@ class SlowSource final : public ForwardingSource {
  public:
   using ForwardingSource::ForwardingSource;
   [[nodiscard]] Result<CapturedPicture> capture(const CaptureRequest& request) override {
-    ++pictures;
+    ++pictures, width = request.camera.width;
+    if (fails) return Error{"source", "fails"};
     std::this_thread::sleep_for(std::chrono::milliseconds(ms));
     return source_.capture(request);
   }
-  int ms = 0, pictures = 0;
+  int ms = 0, pictures = 0, width = 0;
+  bool fails = false;
 };
 
 struct CoarseStage {
@@ -59,13 +61,23 @@ TEST(CoarseKeyframes, AreAsLargeAsTheMachineMakesInTime) {
   EXPECT_NEAR(third, 96 * 1.1 * 0.25, 3);
 }
 
-TEST(CoarseKeyframes, MemoryIsTakenOnceAndTellsTheSize) {
+TEST(CoarseKeyframes, MemoryIsTakenOnceAndSufficesForTheFirst) {
   CoarseStage stage;
-  stage.source.ms = 500;
-  ASSERT_TRUE(stage.coarse.take_memory(stage.frame, {}, 0));
-  ASSERT_TRUE(stage.coarse.take_memory(stage.frame, {}, 0));
+  stage.coarse.take_memory(stage.frame, {}, 0);
+  stage.coarse.take_memory(stage.frame, {}, 0);
   EXPECT_EQ(stage.source.pictures, 1);
-  EXPECT_NEAR(stage.width(), 96 * 1.1 * 0.25, 3);
+  // What new pages took tells nothing of the size.
+  EXPECT_EQ(stage.width(), stage.source.width);
+  EXPECT_NEAR(stage.source.width, 96 * 1.1 * 0.45, 3);
+}
+
+TEST(CoarseKeyframes, ASourceThatFailsSaysSoWhereOneIsNeeded) {
+  CoarseStage stage;
+  stage.source.fails = true;
+  stage.coarse.take_memory(stage.frame, {}, 0);
+  EXPECT_FALSE(stage.coarse.make(stage.frame, {}, 0));
+  stage.source.fails = false;
+  EXPECT_NEAR(stage.width(), 96 * 1.1 * 0.45, 3);
 }
 
 }  // namespace

@@ -137,7 +137,7 @@ void KeyframeProducer::add_spare() {
   resize(spare_.emplace_back(), widest(), makes_quarters(options_.samples));
 }
 
-// Of an eye that turns.
+// Of an eye that turns sideways: an eye that turns much upwards is rarer.
 Camera KeyframeProducer::widest() const {
   return camera_with(frame_, {options_.margin * kTurningMargin, options_.margin});
 }
@@ -280,7 +280,8 @@ Result<> KeyframeProducer::make_whole() {
   ++done_.completed;
   if (!(options_.keyframe_ms > 0)) return Done{};
   while (spare_.size() < kSpare) add_spare();
-  return coarse_.take_memory(frame_, objects_, time_);
+  coarse_.take_memory(frame_, objects_, time_);
+  return Done{};
 }
 
 std::span<const WarpedKeyframe> KeyframeProducer::choose_for(const Camera& eye) {

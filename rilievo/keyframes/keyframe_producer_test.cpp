@@ -214,7 +214,7 @@ class WidthOfParts final : public ForwardingSource {
 };
 
 // A source's memory, too, though nothing is known yet of how the eye turns.
-TEST(KeyframeProducer, WhatWasReservedSufficesForAnEyeThatTurns) {
+TEST(KeyframeProducer, WhatWasReservedSufficesForAnEyeThatTurnsSideways) {
   ProducerStage stage;
   WidthOfParts source(stage.source);
   KeyframeProducer producer(source, source, {.samples = 4, .interval = 4, .keyframe_ms = 1e-3});
