@@ -54,7 +54,7 @@ struct PrewarpOptions {
 // What the last warp() did.
 struct PrewarpStats {
   double resolution = 0;           // after halving
-  int tiles = 0;                   // of the result, in view
+  int tiles = 0;                   // of the result, in view: more on more threads
   std::size_t samples_warped = 0;  // tiles overlap in the source: some samples count several times
   std::size_t samples_drawn = 0;   // samples of these that covered a texel; each counts once
 };

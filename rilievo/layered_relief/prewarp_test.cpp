@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
+#include <tbb/task_arena.h>
 
 #include <bit>
 
@@ -294,6 +295,27 @@ TEST(Prewarp, any_number_of_threads_and_every_instruction_set_make_the_same_byte
       }
       for_each_instruction_set(expect_same);
     }
+}
+
+// Each thread warps a strip of its own, if there are rows enough.
+TEST(Prewarp, more_threads_warp_more_strips_to_the_same_bytes) {
+  std::mt19937 rng(17);
+  const LayeredRelief relief = random_relief(rng, 60, 700);
+  const glm::dvec3 eye = random_eye(rng, relief);
+  Prewarped results[3];
+  int strips[3] = {};
+  for (int i = 0; i < 3; ++i) {
+    tbb::task_arena arena(1 << i);
+    arena.execute([&] {
+      const std::optional<PrewarpStats> done = Prewarp(relief, {}).warp(eye, nullptr, results[i]);
+      ASSERT_TRUE(done);
+      strips[i] = done->tiles;
+    });
+    EXPECT_EQ(results[0].color, results[i].color);
+    EXPECT_EQ(results[0].delta, results[i].delta);
+  }
+  EXPECT_LT(strips[0], strips[1]);
+  EXPECT_LT(strips[1], strips[2]);
 }
 
 TEST(Prewarp, what_is_behind_the_eye_or_too_near_is_left_out) {

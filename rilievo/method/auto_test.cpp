@@ -216,8 +216,8 @@ TEST_F(AutoTest, where_direct_drawing_takes_long_keyframes_begin_if_they_are_goo
   }
 }
 
-// The first frame, which finds out what direct drawing takes, is the cache's first one, too: no
-// polygons are shown before it, and it captures no later.
+// The first frame finds out what direct drawing takes, and shows the cache's first one, which is
+// drawn after it: the cache captures no later than alone.
 TEST_F(AutoTest, where_keyframes_are_prepared_the_cache_captures_as_early_as_alone) {
   auto built = make_builtin("builtin:stonehenge?triangles=200000");
   ASSERT_TRUE(built.ok());
