@@ -1,4 +1,4 @@
-// Memory that is there before it is needed: no later frame waits for the system to map its pages
+// Reserves memory and touches its pages, so that no later frame waits for the system to map them
 // (core/large_buffer.h says what that takes).
 #pragma once
 
@@ -7,7 +7,7 @@
 
 namespace rilievo {
 
-// Empties the vector, and gives it room for so many elements, in pages that were touched.
+// Empties the vector and reserves `count` elements, in pages that are mapped.
 template <class T>
 void touch_memory(std::vector<T>& vector, std::size_t count) {
   vector.clear();

@@ -32,6 +32,7 @@ Result<Keyframe> CoarseKeyframes::make(const Camera& frame, std::span<const std:
   request.objects = objects, request.samples = 1;
   request.time = time, request.coarse = true;
   const Stopwatch watch;  // with the memory that it takes
+  has_memory_ = true;
   maker_.begin(request, std::exchange(spare_, {}));
   if (Result<> made = maker_.step(source_, maker_.columns_left()); !made) return made.error();
   const double ms = watch.ms() / (double(request.camera.width) * request.camera.height);
@@ -42,7 +43,7 @@ Result<Keyframe> CoarseKeyframes::make(const Camera& frame, std::span<const std:
 
 void CoarseKeyframes::take_memory(const Camera& frame, std::span<const std::uint32_t> objects,
                                   double time) {
-  if (std::exchange(has_memory_, true) || made_ > 0) return;
+  if (has_memory_) return;
   if (Result<Keyframe> made = make(frame, objects, time)) reuse(std::move(*made));
   // New pages took a part of the time.
   made_ = 0, texel_ms_ = 0;

@@ -1,8 +1,8 @@
-// Coarse keyframes: of few texels, made at once, where the other keyframes show little of a frame,
-// as after a jump.
+// Makes coarse keyframes, for frames of which no other keyframe shows enough, as after a jump.
 //
-// A coarse keyframe has as many texels as are made in some 40 ms by what those before took: the
-// machine may be slow, or others may use it. One thread; the source uses more.
+// A coarse keyframe has few texels and is made at once. Its size is what the source captures in
+// about 40 ms, by the time that earlier ones took, so that a slow or busy machine makes smaller
+// ones. One thread; the source uses more.
 #pragma once
 
 #include <cstdint>
@@ -16,21 +16,21 @@
 
 namespace rilievo {
 
-// Makes them, one at a time.
+// Makes them one at a time.
 class CoarseKeyframes {
  public:
   // `source` must outlive the object. It should be fast for few texels.
   explicit CoarseKeyframes(CaptureSource& source) : source_(source) {}
 
-  // One of what this frame's eye sees of `objects` (empty: all) at a time. Fails where the source
-  // does.
+  // Makes a keyframe of this frame's view. It shows `objects` (indices into Scene::objects; empty:
+  // all) at `time` (seconds). Fails where the source does.
   [[nodiscard]] Result<Keyframe> make(const Camera& frame, std::span<const std::uint32_t> objects,
                                       double time);
-  // Takes the memory of one of the first one's size, the source's too, so that this one touches no
-  // new page: makes one that nobody sees, unless that was done before. Where the source fails, it
-  // will fail when one is needed.
+  // Allocates what the first keyframe needs, also within the source, so that make() does not wait
+  // for new pages: makes a keyframe and discards it. Does nothing after the first call. An error of
+  // the source is left to make().
   void take_memory(const Camera& frame, std::span<const std::uint32_t> objects, double time);
-  // Takes the memory of one that is not needed any more.
+  // Gives back a keyframe that is not needed any more: the next one reuses its memory.
   void reuse(Keyframe keyframe) { spare_ = std::move(keyframe); }
 
  private:

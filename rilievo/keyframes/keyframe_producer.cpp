@@ -147,10 +147,7 @@ void KeyframeProducer::reserve(const Camera& camera, double time) {
   frame_ = camera, time_ = time;
   take_memory();
   // Nothing is known yet of how the eye moves: a source grows its memory as a whole.
-  KeyframeRequest request;
-  request.camera = widest(), request.objects = objects_;
-  request.samples = options_.samples, request.time = time_, request.sky = options_.sky;
-  maker_.begin(request, reusable());
+  maker_.begin(request_for(widest()), reusable());
   if (options_.keyframe_ms > 0 && maker_.takes_parts(source_)) maker_.start(source_);
   keep_memory(maker_.give_up());
 }
@@ -206,13 +203,18 @@ bool KeyframeProducer::has_one_of(const Camera& eye) const {
   });
 }
 
-void KeyframeProducer::begin(const Camera& eye, double texels) {
+// Of a fine keyframe.
+KeyframeRequest KeyframeProducer::request_for(const Camera& camera) const {
   KeyframeRequest request;
-  request.camera = plain(eye);
-  if (texels < 1) request.camera = keyframe_camera(request.camera, {1, 1}, texels);
-  request.objects = objects_;
+  request.camera = camera, request.objects = objects_;
   request.samples = options_.samples;
   request.time = time_, request.sky = options_.sky;
+  return request;
+}
+
+void KeyframeProducer::begin(const Camera& eye, double texels) {
+  KeyframeRequest request = request_for(plain(eye));
+  if (texels < 1) request.camera = keyframe_camera(request.camera, {1, 1}, texels);
   request.light_rays = options_.light_rays;
   request.sharp = texels == 1 && stands_at(eye);
   if (near_) {

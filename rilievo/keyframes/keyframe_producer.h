@@ -125,6 +125,7 @@ class KeyframeProducer {
   [[nodiscard]] double texels_beside(const Camera& eye) const;
   Result<> work_beside();
   Result<> end_beside();
+  [[nodiscard]] KeyframeRequest request_for(const Camera& camera) const;
   void begin(const Camera& eye, double texels = 1);
   Result<> make_whole();
   void add(Keyframe keyframe);

@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "rilievo/core/expects.h"
+#include "rilievo/nailboard/software/software_nailboard.h"
 
 // This file is compiled once for each instruction set.
 #undef HWY_TARGET_INCLUDE
@@ -76,7 +77,7 @@ void keep_any_row(const std::uint32_t* texels, const std::uint16_t* codes, int w
 
 void keep_row_of_cells(const BandColumns& columns, std::size_t cells, std::uint32_t steps,
                        std::uint16_t* nearest, std::uint8_t* opaque) {
-  constexpr std::size_t kCell = 8;
+  constexpr std::size_t kCell = SoftwareNailboard::kCell;
   const hn::CappedTag<std::uint16_t, kCell> d;
   const auto beyond = hn::Set(d, std::uint16_t(steps + 1)), all = hn::Set(d, 255);
   for (std::size_t i = 0; i < cells; ++i) {
@@ -115,7 +116,7 @@ void keep_row(const std::uint32_t* texels, const std::uint16_t* codes, int width
 
 void keep_cells(const BandColumns& columns, std::size_t cells, std::uint32_t steps,
                 std::uint16_t* nearest, std::uint8_t* opaque) {
-  RILIEVO_EXPECTS(columns.nearest.size() >= cells * 8);
+  RILIEVO_EXPECTS(columns.nearest.size() >= cells * SoftwareNailboard::kCell);
   HWY_DYNAMIC_DISPATCH(keep_row_of_cells)(columns, cells, steps, nearest, opaque);
 }
 
