@@ -27,8 +27,8 @@ class CoarseKeyframes {
   [[nodiscard]] Result<Keyframe> make(const Camera& frame, std::span<const std::uint32_t> objects,
                                       double time);
   // Allocates what the first keyframe needs, also within the source, so that make() does not wait
-  // for new pages: makes a keyframe and discards it. Does nothing after the first call. An error of
-  // the source is left to make().
+  // for new pages: makes a keyframe and discards it. Does nothing if one was made before. An error
+  // of the source is left to make().
   void take_memory(const Camera& frame, std::span<const std::uint32_t> objects, double time);
   // Gives back a keyframe that is not needed any more: the next one reuses its memory.
   void reuse(Keyframe keyframe) { spare_ = std::move(keyframe); }

@@ -40,8 +40,8 @@ inline Texels TileGrid::tiles_of(const Texels& texels) const {
 // Strips of the same height, as wide as the result, of at most most * most texels: the rows of a
 // relief's tile that cannot reach a strip are left out, its columns are not. So fewer samples are
 // warped twice than with squares. At least one for each thread, but no more than kStrips for that,
-// unless they would be low. (Of a helmet samples are asked by 1.5 of four strips, on two threads
-// four take as long as two.)
+// unless they would be low: with four strips a sample is warped 1.5 times in the mean (a helmet),
+// and on two threads four strips take as long as two.
 inline constexpr int kStrips = 4, kStripRows = 64;
 inline TileGrid strips(const Texels& all, int most, int threads) {
   const glm::ivec2 extent = all.size();

@@ -55,18 +55,20 @@ void follow_way(const EyePrediction& eye, double time, KeyframeFrames& frames);
 
 // The time that a frame may spend on keyframes that it makes a part of, where the frame took `ms`
 // and such frames take `usual_ms`: both together take about 1.6 times that, or what that frame
-// takes and a little. Of less, keyframes take more frames than a median of a walk bears. Where
-// frames of keyframes are expected to take far less, `keyframes_ms`, than such frames and than
-// polygons, the sooner there are two the better: a frame makes all of one. The frames alone do not
-// say so: the cache's first ones capture.
+// takes and a little. With less time keyframes would take so many frames that these, which are
+// slower, would raise the median of a walk. Where frames of keyframes are expected to take far
+// less, `keyframes_ms`, than such frames and than polygons, the sooner there are two the better: a
+// frame makes all of one. The frames alone do not say so: the cache's first ones capture.
 [[nodiscard]] double time_for_keyframes(double ms, double usual_ms, double polygons_ms,
                                         double keyframes_ms);
 
-// What frames take that make parts of keyframes: the mean of what draws, once that is warm; before,
-// no more than the least of them, since others capture, or meet other programs.
+// The time of a usual frame, to which time_for_keyframes() compares the others: the mean of the
+// method that draws, once that has warmed up. Before, the least so far: other frames capture
+// pictures, or are slowed down by other programs.
 class UsualTime {
  public:
-  // After a frame that took `ms`, of what draws, whose frames take `drawn_ms` (0: not known yet).
+  // After a frame of `ms`. `drawn_ms`: the mean of the method that draws (0: not known yet);
+  // `warm`: it has warmed up.
   [[nodiscard]] double add(double ms, double drawn_ms, bool warm);
 
  private:
@@ -85,8 +87,9 @@ class KeyframesDoubt {
   int frames_ = 0;
 };
 
-// The first keyframe alone loses that, as a look ahead says, and the cache's frame of the moment
-// (none: not known): will two lose too much, too? A second one has brought 0.7 dB at most.
+// Will frames from two keyframes lose more than is allowed? `loss_db` is the loss of frames from
+// the first one alone, which a second one has made smaller by 0.7 dB at most; `cache_loss_db` that
+// of the cache's frame at the same time (none: not known).
 [[nodiscard]] bool first_is_hopeless(double loss_db, std::optional<double> cache_loss_db,
                                      double allowed_db);
 

@@ -60,8 +60,8 @@ class HolePoints {
   void keep(const Camera& camera, std::span<const FoundInHole> found);
   // Forgets all.
   void clear();
-  // Forgets all, and takes the memory of frames of this size with so many holes that rays fill, and
-  // as many that points show.
+  // Forgets all, and allocates what frames of this size need (pixels) in which rays fill so many
+  // holes and points show as many others.
   void take_memory(int width, int height, std::size_t holes);
   [[nodiscard]] std::size_t size() const { return points_.size(); }
 

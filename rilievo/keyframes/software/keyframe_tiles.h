@@ -26,9 +26,9 @@ class KeyframeTiles final : public TileDrawer {
   KeyframeTiles(const RayScene& rays, const TileDrawer& sky);
   ~KeyframeTiles() override;
 
-  // Takes the memory of frames of this size with so many holes that rays fill, and as many others,
-  // so that the first frame that has them touches no new page. Between two frames: what the last
-  // one found is forgotten.
+  // Allocates what frames of this size need (pixels) in which rays fill so many holes and points
+  // show as many others, so that the first such frame does not wait for new pages. Call it between
+  // two frames: it forgets what the last one found.
   void take_memory(int width, int height, std::size_t holes);
 
   // Begins a frame: finds its holes, and what the frames before tell of `objects` there, if there

@@ -36,7 +36,7 @@ class PixelCaster {
   explicit PixelCaster(const RayScene& scene);
   ~PixelCaster();
 
-  // Takes the memory of a call for so many samples, so that it touches no new page.
+  // Allocates what cast() needs for so many samples, so that it does not wait for new pages.
   void take_memory(std::size_t samples);
 
   // Finds 1 or 4 samples of each pixel, of `objects` (indices; in any order). Requires a
