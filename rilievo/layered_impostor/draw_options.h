@@ -13,15 +13,26 @@ namespace rilievo {
 //             its holes (S2.6), in one instanced draw call; the depth is the slice's
 enum class LayeredMethod { surfaces, slices };
 
+// The most pictures that a pixel looks up.
+inline constexpr int kMaxViewsAsked = 6;
+// So many more are at hand, of which each pixel chooses. Along most rays two are enough: with 26
+// more a fern and a flower look the same.
+inline constexpr int kSpareViews = 2;
+
 // The zone in which views fade into each other, in mean spacings of the views; for all drawers.
 inline constexpr double kHandover = 0.25;
 
 // The way of drawing and its quality.
 struct LayeredOptions {
   LayeredMethod method = LayeredMethod::surfaces;
-  int max_views = 6;  // pictures looked up by a pixel; with 1 only the nearest, and holes stay open
+  // Pictures looked up by a pixel, 1 to kMaxViewsAsked; with 1 only the nearest, and holes stay
+  // open.
+  int max_views = kMaxViewsAsked;
   double handover = kHandover;  // blended (surfaces) or cross-faded (slices); 0: views switch
 };
+
+// The pictures of which a pixel chooses those that it looks up, of a set of `views`.
+[[nodiscard]] int views_at_hand(std::size_t views, int max_views);
 
 // The texture memory for drawing one object with this number and size of views, bytes.
 [[nodiscard]] std::size_t layered_texture_bytes(int views, int width, int height,

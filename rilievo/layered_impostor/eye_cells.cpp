@@ -112,7 +112,7 @@ std::vector<bool> views_drawn_from(const LayeredImpostor& impostor, const Layere
   const ViewSet& set = impostor.views;
   const bool sliced = options.method == LayeredMethod::slices;
   const double zone = options.handover * mean_spacing(set);
-  const auto count = std::min(set.directions.size(), std::size_t(std::max(options.max_views, 1)));
+  const auto count = std::size_t(views_at_hand(set.directions.size(), options.max_views));
   std::vector<bool> drawn(set.directions.size());
   std::vector<double> angles(set.directions.size()), sorted;
   for (int part = 0; part < kParts * kParts; ++part) {

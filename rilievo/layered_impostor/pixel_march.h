@@ -5,6 +5,7 @@
 
 #include <optional>
 
+#include "rilievo/core/camera.h"
 #include "rilievo/layered_impostor/layered_impostor.h"
 
 namespace rilievo {
@@ -28,6 +29,10 @@ class RayBounds {
 // The ray of a raster position; none if it misses the bounds.
 [[nodiscard]] std::optional<PixelRay> pixel_ray(const Box& bounds, const Camera& camera,
                                                 const glm::dvec2& raster);
+
+// How nearly a picture looks along a ray: the cosine between it and the picture's own ray through
+// its middle, times the length of the ray's direction.
+[[nodiscard]] double looks_along(const Camera& picture, const PixelRay& ray);
 
 // The height-field ray march of a ray through a picture's surface.
 [[nodiscard]] SurfaceHit march_picture(const LayeredImpostor& impostor, int view,

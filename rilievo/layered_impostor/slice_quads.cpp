@@ -40,18 +40,23 @@ Image<glm::u16vec2> slice_codes(const LayeredImpostor& impostor, int view) {
   return codes;
 }
 
+int views_at_hand(std::size_t views, int max_views) {
+  const int asked = std::clamp(max_views, 1, kMaxViewsAsked);
+  return int(std::min(views, std::size_t(asked > 1 ? asked + kSpareViews : 1)));
+}
+
 ServingViews views_for_eye(const LayeredImpostor& impostor, const glm::dvec3& eye,
                            const LayeredOptions& options) {
   ServingViews serving;
   const glm::dvec3 towards = eye - glm::dvec3(impostor.bounds.center());
-  const auto room = std::span(serving.views)
-                        .first(std::clamp<std::size_t>(std::size_t(std::max(options.max_views, 1)),
-                                                       1, ServingViews::kMaxCount));
-  serving.count = nearest_views(impostor.views, towards, room);
-  const std::span<const int> views(serving.views, std::size_t(serving.count));
+  const int at_hand = views_at_hand(impostor.views.directions.size(), options.max_views);
+  serving.count =
+      nearest_views(impostor.views, towards, std::span(serving.views).first(std::size_t(at_hand)));
+  serving.asked = std::min(serving.count, std::max(options.max_views, 1));
+  const std::span<const int> views(serving.views, std::size_t(serving.asked));
   handover_weights(impostor.views, towards, options.handover * mean_spacing(impostor.views), views,
                    serving.weights);
-  while (serving.weighted < serving.count && serving.weights[serving.weighted] > 0)
+  while (serving.weighted < serving.asked && serving.weights[serving.weighted] > 0)
     ++serving.weighted;
   return serving;
 }

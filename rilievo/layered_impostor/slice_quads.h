@@ -39,12 +39,14 @@ struct SliceQuad {
   float from = 0, to = 1;  // of the cross-fade range
 };
 
-// The views that serve an eye.
+// The views that serve an eye. A pixel of the surfaces looks up those with weight, and of the
+// others those that look along its own ray (looks_along()), `asked` in all.
 struct ServingViews {
-  static constexpr std::size_t kMaxCount = 6;
+  static constexpr std::size_t kMaxCount = kMaxViewsAsked + kSpareViews;
   int views[kMaxCount] = {};      // nearest first
   float weights[kMaxCount] = {};  // those of views without weight follow, 0
   int count = 0, weighted = 0;    // all of them, and those with weight
+  int asked = 0;
 };
 [[nodiscard]] ServingViews views_for_eye(const LayeredImpostor& impostor, const glm::dvec3& eye,
                                          const LayeredOptions& options);

@@ -6,6 +6,7 @@
 #include "rilievo/core/expects.h"
 #include "rilievo/core/parallel_for.h"
 #include "rilievo/layered_impostor/pixel_march.h"
+#include "rilievo/layered_impostor/slice_quads.h"
 #include "rilievo/layered_impostor/warp.h"
 
 namespace rilievo {
@@ -19,8 +20,6 @@ glm::vec4 color_at(const DepthImage& picture, const TexelSurface& surface, const
   return interpolate(weights, texel,
                      [&](const glm::ivec2& at) { return picture.color(at.x, at.y); });
 }
-
-constexpr int kMaxMarchedViews = 6;
 
 struct Seen {
   float eye_z = kNoDepth;
@@ -36,6 +35,20 @@ Seen what_is_seen(const LayeredImpostor& impostor, int view, const PixelRay& ray
       float(glm::dot(world - ray.origin, ray.direction) / glm::dot(ray.direction, ray.direction)),
       color_at(picture, impostor.surfaces[view], march),
       picture.object.empty() ? 1 : picture.object(march.texel.x, march.texel.y)};
+}
+
+// Those with weight, then the others, those first that look along the ray.
+std::array<int, ServingViews::kMaxCount> in_order(const LayeredImpostor& impostor,
+                                                  const ServingViews& serving,
+                                                  const PixelRay& ray) {
+  std::array<int, ServingViews::kMaxCount> views{};
+  std::copy_n(serving.views, serving.count, views.begin());
+  std::stable_sort(views.begin() + serving.weighted, views.begin() + serving.count,
+                   [&](int a, int b) {
+                     return looks_along(impostor.pictures[std::size_t(a)].camera, ray) >
+                            looks_along(impostor.pictures[std::size_t(b)].camera, ray);
+                   });
+  return views;
 }
 
 }  // namespace
@@ -54,6 +67,13 @@ bool RayBounds::keep(PixelRay& ray) const {
     ray.end = std::min(ray.end, std::max(t0, t1));
   }
   return ray.begin < ray.end;
+}
+
+double looks_along(const Camera& picture, const PixelRay& ray) {
+  const glm::dvec3 middle = ray.origin + 0.5 * (ray.begin + ray.end) * ray.direction;
+  const glm::dvec3 from = middle - picture.position();
+  const double along = glm::dot(from, ray.direction) / glm::length(from);
+  return picture.keeps_farthest() ? -along : along;
 }
 
 std::optional<PixelRay> pixel_ray(const Box& bounds, const Camera& camera,
@@ -77,15 +97,10 @@ SurfaceHit march_picture(const LayeredImpostor& impostor, int view, const PixelR
 DepthImage warp_surfaces(const LayeredImpostor& impostor, const Camera& camera,
                          const SurfaceWarpOptions& options) {
   RILIEVO_EXPECTS(camera.projection == Projection::perspective);
-  RILIEVO_EXPECTS(options.max_views >= 1 && options.max_views <= kMaxMarchedViews);
-  const glm::dvec3 towards = camera.position() - glm::dvec3(impostor.bounds.center());
-  std::array<int, kMaxMarchedViews> nearest;
-  std::array<float, kMaxMarchedViews> weights{};
-  const int count = nearest_views(impostor.views, towards,
-                                  std::span(nearest).first(std::size_t(options.max_views)));
-  const std::span<const int> views(nearest.data(), std::size_t(count));
-  handover_weights(impostor.views, towards, options.handover * mean_spacing(impostor.views), views,
-                   weights);
+  RILIEVO_EXPECTS(options.max_views >= 1 && options.max_views <= kMaxViewsAsked);
+  const ServingViews serving = views_for_eye(
+      impostor, camera.position(), {.max_views = options.max_views, .handover = options.handover});
+  const std::size_t weighted = std::size_t(serving.weighted), asked = std::size_t(serving.asked);
 
   DepthImage frame;
   frame.camera = camera;
@@ -101,9 +116,10 @@ DepthImage warp_surfaces(const LayeredImpostor& impostor, const Camera& camera,
       bool sees_through = false;
       float surface = 0, nothing = 0, heaviest = 0;
       glm::vec4 blended(0.0f);
-      for (std::size_t i = 0; i < views.size(); ++i) {
-        if (weights[i] == 0 && surface + nothing > 0) break;
-        const float weight = weights[i] > 0 ? weights[i] : 1.0f;
+      const std::array<int, ServingViews::kMaxCount> views = in_order(impostor, serving, *ray);
+      for (std::size_t i = 0; i < asked; ++i) {
+        if (i >= weighted && surface + nothing > 0) break;
+        const float weight = i < weighted ? serving.weights[i] : 1.0f;
         const SurfaceHit march = march_picture(impostor, views[i], *ray);
         if (march.hit) {
           const Seen seen = what_is_seen(impostor, views[i], *ray, march);
@@ -122,7 +138,7 @@ DepthImage warp_surfaces(const LayeredImpostor& impostor, const Camera& camera,
         }
       }
       if (nothing > surface || (surface == 0 && sees_through)) continue;
-      if (doubtful.eye_z == kNoDepth && inside > 0 && views.size() > 1) doubtful = skin;
+      if (doubtful.eye_z == kNoDepth && inside > 0 && asked > 1) doubtful = skin;
       const Seen& shown = surface > 0 ? certain : doubtful;
       if (shown.eye_z == kNoDepth) continue;
       frame.depth(x, y) = shown.eye_z;

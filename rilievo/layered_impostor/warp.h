@@ -43,7 +43,8 @@ void slices_of_view(const LayeredImpostor& impostor, int view, const glm::dvec3&
 
 // How many pictures a pixel looks up, and how they fade.
 struct SurfaceWarpOptions {
-  int max_views = 6;            // pictures looked up, 1 to 6; with 1, holes stay open
+  // Pictures looked up, 1 to kMaxViewsAsked; with 1, holes stay open.
+  int max_views = kMaxViewsAsked;
   double handover = kHandover;  // 0: views switch
 };
 
@@ -53,11 +54,13 @@ struct SurfaceWarpOptions {
 // A view's answer is certain if the ray did not pass behind an edge and the view either has a hit
 // or is complete there (LayeredImpostor::complete). Certain answers of the views with weight
 // (handover_weights) are blended; where some have a hit and others have none, the weighted majority
-// decides. If no answer is certain, the next nearest views are looked up until one is. If none is,
-// nothing is shown where a view sees through (LayeredImpostor::sees_through), else the hit nearest
-// to the eye. If there is no hit either, and in most views the ray passed behind one part of the
-// surface in front of another, and not behind an outline, the pixel lies within the object: it
-// shows a skin between the two parts, with the colour of the farther one.
+// decides. If no answer is certain, other views near the eye's direction are looked up until one
+// is, those first that look along the pixel's ray: an eye beside an object sees its sides from
+// other directions than its middle. If none is, nothing is shown where a view sees through
+// (LayeredImpostor::sees_through), else the hit nearest to the eye. If there is no hit either, and
+// in most views the ray passed behind one part of the surface in front of another, and not behind
+// an outline, the pixel lies within the object: it shows a skin between the two parts, with the
+// colour of the farther one.
 //
 // Requires a perspective camera.
 [[nodiscard]] DepthImage warp_surfaces(const LayeredImpostor& impostor, const Camera& camera,

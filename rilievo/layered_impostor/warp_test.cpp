@@ -5,11 +5,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <random>
+#include <span>
 
 #include "rilievo/capture/shapes_test_helpers.h"
 #include "rilievo/core/sanitized_test_helpers.h"
 #include "rilievo/layered_impostor/jug_test_helpers.h"
+#include "rilievo/layered_impostor/pixel_march.h"
 
 namespace rilievo {
 namespace {
@@ -159,6 +162,68 @@ TEST(LayeredWarp, the_weighted_majority_of_views_decides_where_the_outline_is) {
   }
   EXPECT_GT(shared, 10);
   EXPECT_GT(decided_by_seeing, 20);
+}
+
+// Eyes beside the jug, whose nearest picture knows nothing. Each picture has a colour of its own,
+// which tells which one a pixel was taken from.
+TEST(LayeredWarp, where_the_eyes_view_knows_nothing_the_one_along_the_ray_is_asked_first) {
+  std::mt19937 rng(12);
+  int by_ray = 0, by_order_of_eye = 0;
+  for (int i = 0; i < sanitized_cases(8); ++i) {
+    std::vector<DepthImage> pictures =
+        test_shapes::cast_views(test_shapes::jug(), make_view_set({}), {.size = 48});
+    const auto color_of = [](int view) { return glm::vec4(glm::vec3((view + 1) / 40.0f), 1.0f); };
+    for (int v = 0; v < int(pictures.size()); ++v)
+      std::fill(pictures[std::size_t(v)].color.texels().begin(),
+                pictures[std::size_t(v)].color.texels().end(), color_of(v));
+    const ViewSet set = make_view_set({});
+    const glm::dvec3 direction = random_direction(rng);
+    std::array<int, kMaxViewsAsked + kSpareViews> near;
+    ASSERT_EQ(nearest_views(set, direction, near), int(near.size()));
+    // Colours without depth are holes.
+    pictures[std::size_t(near[0])].depth = Image<float>(48, 48, kNoDepth);
+    const Result<LayeredImpostor> impostor = make_layered_impostor(pictures, {.layers = 8});
+    ASSERT_TRUE(impostor.ok()) << impostor.error().message();
+    Camera camera = frame_camera(impostor->bounds, direction, 1.6, 40);
+    // The bounds' centre, from which views are counted, lies beside the origin.
+    ASSERT_EQ(nearest_views(impostor->views,
+                            camera.position() - glm::dvec3(impostor->bounds.center()), near),
+              int(near.size()));
+    const DepthImage frame = warp_surfaces(*impostor, camera, {.handover = 0});
+    for (int y = 0; y < camera.height; ++y)
+      for (int x = 0; x < camera.width; ++x) {
+        const std::optional<PixelRay> ray = pixel_ray(impostor->bounds, camera, {x + 0.5, y + 0.5});
+        if (!ray) continue;
+        const glm::dvec3 at = ray->origin + 0.5 * (ray->begin + ray->end) * ray->direction;
+        const auto angle = [&](int view) {
+          const Camera& of = impostor->pictures[std::size_t(view)].camera;
+          const glm::dvec3 to_apex = glm::normalize(of.position() - at);
+          return std::acos(
+              std::clamp(glm::dot(to_apex, glm::normalize(ray->direction)), -1.0, 1.0));
+        };
+        const auto first_certain = [&](std::span<const int> order) {
+          for (const int view : order) {
+            const SurfaceHit hit = march_picture(*impostor, view, *ray);
+            if (hit.passed_behind || (!hit.hit && !impostor->complete[std::size_t(view)])) continue;
+            return hit.hit ? view : -1;
+          }
+          return -2;
+        };
+        std::array<int, near.size()> order = near;
+        std::stable_sort(order.begin() + 1, order.end(),
+                         [&](int a, int b) { return angle(a) < angle(b); });
+        const int expected = first_certain(std::span(order).first(kMaxViewsAsked));
+        if (expected == -2) continue;
+        ++by_ray;
+        by_order_of_eye += first_certain(std::span(near).first(kMaxViewsAsked)) != expected;
+        ASSERT_EQ(frame.covered(x, y), expected >= 0) << x << " " << y;
+        if (expected < 0) continue;
+        EXPECT_LT(glm::distance(frame.color(x, y), color_of(expected)), 1e-4f) << expected;
+      }
+  }
+  // The order matters.
+  EXPECT_GT(by_order_of_eye, by_ray / 10);
+  EXPECT_GT(by_ray, 1000);
 }
 
 TEST(LayeredWarp, back_perspective_views_fill_each_others_holes) {

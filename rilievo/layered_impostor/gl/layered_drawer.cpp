@@ -10,7 +10,7 @@
 namespace rilievo {
 namespace {
 
-constexpr int kMaxViews = shader::kMaxWalkedViews;
+constexpr int kMaxViews = shader::kMaxViewsAtHand;
 static_assert(kMaxViews == int(ServingViews::kMaxCount));
 constexpr std::size_t kInstances = shader::kMaxInstances;
 
@@ -160,7 +160,8 @@ void LayeredDrawer::draw_surfaces(LayeredPictures& pictures, const Camera& frame
       const ServingViews served = views_for_eye(impostor, local.eye, options);
       shader::LayeredInstanceBlock block;
       block.clip_from_local = local.clip_from_local;
-      block.box_min = glm::vec4(glm::vec3(glm::dvec3(impostor.bounds.min) - slack - local.eye), 0);
+      block.box_min = glm::vec4(glm::vec3(glm::dvec3(impostor.bounds.min) - slack - local.eye),
+                                float(served.asked));
       block.box_max = glm::vec4(glm::vec3(glm::dvec3(impostor.bounds.max) + slack - local.eye), 0);
       for (int i = 0; i < kMaxViews; ++i) block.weights[i / 4][i % 4] = served.weights[i];
       block.views = {int(views_.size()), served.count, served.weighted, int(instance.object)};

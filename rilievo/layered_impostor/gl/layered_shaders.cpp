@@ -255,6 +255,20 @@ vec4 color_at(int layer, March march, vec2 at) {
   return sum;
 }
 
+// Of the views without weight that are not done the one that looks along the ray through `middle`:
+// looks_along().
+int view_along(ivec4 list, vec3 middle, uint done) {
+  int best = -1;
+  float most = 0.0;
+  for (int k = list.z; k < list.y; ++k) {
+    if ((done >> k & 1u) != 0u) continue;
+    vec4 apex = views[list.x + k].apex;
+    float along = apex.w * dot(normalize(middle - apex.xyz), middle);
+    if (best < 0 || along > most) best = k, most = along;
+  }
+  return best;
+}
+
 // What a ray shows. Its colour is premultiplied, its alpha is coverage; depth above 1: nothing.
 // whole: no silhouette passes beside what is shown. beside: the ray passes beside one.
 struct Shown { vec4 color; float depth; uint object; bool whole, beside; };
@@ -282,11 +296,16 @@ Shown look(vec3 ray, mat2x3 pixel, bool first_decides) {
     shown.beside = true;  // of the box, and with it perhaps of what touches its faces
     return shown;
   }
-  for (int i = 0; i < list.y; ++i) {
+  int asked = int(instances[instance].box_min.w);
+  uint done = 0u;
+  for (int i = 0; i < asked; ++i) {
     bool weighted = i < list.z;
     if ((!weighted || first_decides) && surface + nothing > 0.0) break;
     float weight = weighted ? instances[instance].weights[i >> 2][i & 3] : 1.0;
-    View view = views[list.x + i];
+    int chosen = i;
+    if (!weighted) chosen = view_along(list, 0.5 * (t.x + t.y) * ray, done);
+    done |= 1u << chosen;
+    View view = views[list.x + chosen];
     vec3 from, to;
     vec2 stretch = t;
     March march = March(false, false, false, false, 0.0, ivec2(0));
@@ -328,7 +347,7 @@ Shown look(vec3 ray, mat2x3 pixel, bool first_decides) {
     shown.whole = shown.whole && linked;
     if (weight > heaviest) heaviest = weight, depth = z, object = o;
   }
-  if (skin && (inside <= 0 || list.y == 1)) doubtful_depth = 2.0;
+  if (skin && (inside <= 0 || asked == 1)) doubtful_depth = 2.0;
   if (nothing > surface || (surface == 0.0 && sees_through)) return shown;
   if (surface > 0.0)
     shown.depth = depth, shown.object = object, shown.color = blended / (surface + nothing);
@@ -454,7 +473,7 @@ std::string defines(LayeredOutput output) {
 // Uniform blocks have sizes: so many are drawn at once. They are read much faster than storage.
 std::string block_sizes() {
   return "#define INSTANCES " + std::to_string(kMaxInstances) + "\n#define VIEWS " +
-         std::to_string(kMaxInstances * kMaxWalkedViews) + "\n";
+         std::to_string(kMaxInstances * kMaxViewsAtHand) + "\n";
 }
 
 }  // namespace

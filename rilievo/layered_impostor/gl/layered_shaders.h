@@ -10,8 +10,8 @@
 
 namespace rilievo::shader {
 
-// The largest number of pictures in which a pixel looks up its surface.
-inline constexpr int kMaxWalkedViews = 6;
+// The largest number of pictures of which a pixel chooses those that it looks up.
+inline constexpr int kMaxViewsAtHand = 8;
 // The largest number of impostors in one draw call of the surface program, the size of its blocks.
 inline constexpr int kMaxInstances = 16;
 
@@ -29,9 +29,9 @@ struct LayeredView {
 // An impostor drawn by ray marching (std140).
 struct LayeredInstanceBlock {
   glm::mat4 clip_from_local;
-  glm::vec4 box_min, box_max;
-  glm::vec4 weights[2];  // of the first six views
-  glm::ivec4 views;      // first, count, how many have weight; object identifier
+  glm::vec4 box_min, box_max;  // w of box_min: how many views a pixel looks up
+  glm::vec4 weights[2];
+  glm::ivec4 views;  // first, count, how many have weight; object identifier
 };
 
 // A slice to draw (vertex attributes).

@@ -70,6 +70,7 @@ struct LayeredRays::Look {
   bool sees_through = false;
   float surface = 0, nothing = 0, heaviest = 0;
   glm::vec4 blended{0.0f};
+  std::array<std::uint8_t, ServingViews::kMaxCount> order;  // of placed views
 
   // Nothing, whatever the views show that are left, of this weight.
   [[nodiscard]] bool is_empty(float rest) const { return nothing > surface + rest; }
@@ -82,6 +83,20 @@ struct LayeredRays::Look {
     return out;
   }
 };
+
+// Of the views without weight, those first that look along the ray.
+void LayeredRays::find_order(const PlacedLayered& placed, Look& look) const {
+  std::array<double, ServingViews::kMaxCount> along;
+  for (int k = placed.weighted; k < placed.count; ++k) {
+    const std::size_t view = placed.views[std::size_t(k)].view;
+    const double of_view = looks_along(pictures_[view].camera, look.ray);
+    int to = k;
+    for (; to > placed.weighted && along[std::size_t(to - 1)] < of_view; --to)
+      along[std::size_t(to)] = along[std::size_t(to - 1)],
+      look.order[std::size_t(to)] = look.order[std::size_t(to - 1)];
+    along[std::size_t(to)] = of_view, look.order[std::size_t(to)] = std::uint8_t(k);
+  }
+}
 
 // The rules are those of warp_surfaces().
 void LayeredRays::look(const PlacedLayered& placed, const std::array<Gaze, kCount>& gazes,
@@ -102,15 +117,11 @@ void LayeredRays::look(const PlacedLayered& placed, const std::array<Gaze, kCoun
   const std::uint32_t in_bounds = looking;
   MarchRays rays;
   std::array<glm::dvec3, kCount> along;
-  for (int k = 0; k < placed.count && looking; ++k) {
-    const MarchedView& view = placed.views[std::size_t(k)];
+  // Those rays whose bit is set look the view up.
+  const auto ask = [&](const MarchedView& view, std::uint32_t asking) {
     const Picture& picture = pictures_[view.view];
-    if (view.weight == 0 || first_decides)
-      for_bits(looking, [&](std::size_t i) {
-        if (looks[i].surface + looks[i].nothing > 0) looking &= ~(1u << i);
-      });
     rays.wanted = 0;
-    for_bits(looking, [&](std::size_t i) {
+    for_bits(asking, [&](std::size_t i) {
       along[i] = view.per_raster * raster(i);
       const std::optional<DisparitySegment> segment =
           disparity_segment_between(picture.camera, view.eye + looks[i].ray.begin * along[i],
@@ -122,7 +133,7 @@ void LayeredRays::look(const PlacedLayered& placed, const std::array<Gaze, kCoun
     });
     march_rays(picture.surface, rays);
     const float weight = view.weight > 0 ? view.weight : 1.0f;
-    for_bits(looking, [&](std::size_t i) {
+    for_bits(asking, [&](std::size_t i) {
       Look& look = looks[i];
       const bool behind = rays.passed_behind >> i & 1;
       if (rays.hit >> i & 1) {
@@ -143,6 +154,31 @@ void LayeredRays::look(const PlacedLayered& placed, const std::array<Gaze, kCoun
           look.skin = seen_at(placed, view, rays, i, along[i]);
       }
     });
+  };
+  const auto leave_decided = [&] {
+    for_bits(looking, [&](std::size_t i) {
+      if (looks[i].surface + looks[i].nothing > 0) looking &= ~(1u << i);
+    });
+  };
+  for (int k = 0; k < placed.weighted && looking; ++k) {
+    if (first_decides) leave_decided();
+    ask(placed.views[std::size_t(k)], looking);
+  }
+  leave_decided();
+  if (looking && placed.weighted < placed.asked)
+    for_bits(looking, [&](std::size_t i) { find_order(placed, looks[i]); });
+  for (int k = placed.weighted; k < placed.asked && looking; ++k) {
+    // Rays whose turn has come to the same view march together.
+    for (std::uint32_t rest = looking; rest;) {
+      const std::uint8_t turn = looks[std::size_t(std::countr_zero(rest))].order[std::size_t(k)];
+      std::uint32_t asking = 0;
+      for_bits(rest, [&](std::size_t i) {
+        if (looks[i].order[std::size_t(k)] == turn) asking |= 1u << i;
+      });
+      ask(placed.views[turn], asking);
+      rest &= ~asking;
+    }
+    leave_decided();
   }
   for_bits(wanted, [&](std::size_t i) {
     shown[i] = in_bounds >> i & 1 ? looks[i].shown(placed.count > 1) : SeenLayered{};

@@ -50,6 +50,7 @@ class LayeredRays {
     MarchSurface surface;
   };
   struct Look;
+  void find_order(const PlacedLayered& placed, Look& look) const;
   // Where a ray ended; `along` is its direction as the view's picture has it.
   [[nodiscard]] SeenLayered seen_at(const PlacedLayered& placed, const MarchedView& view,
                                     const MarchRays& rays, std::size_t ray,

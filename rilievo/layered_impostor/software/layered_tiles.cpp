@@ -99,7 +99,7 @@ bool LayeredTiles::place(const Camera& frame, const Instance& instance, PlacedLa
 
 void LayeredTiles::place_views(const glm::dvec3& eye, PlacedLayered& out) const {
   const ServingViews serving = views_for_eye(impostor_, eye, options_);
-  out.count = serving.count;
+  out.count = serving.count, out.weighted = serving.weighted, out.asked = serving.asked;
   float rest = 0;
   for (int i = serving.count; i-- > 0;) {
     MarchedView& marched = out.views[std::size_t(i)];

@@ -85,6 +85,25 @@ TEST(LayeredTiles, surfaces_are_what_the_slow_drawing_shows) {
   expect_same_surfaces(test_shapes::jug_impostor(64), directions);
 }
 
+// Each picture lost a square elsewhere, of which it knows that it knows nothing; rays ask others.
+TEST(LayeredTiles, holes_in_pictures_are_looked_through_as_by_the_slow_drawing) {
+  std::vector<DepthImage> views =
+      test_shapes::cast_views(test_shapes::jug(), make_view_set({}), {.size = 64});
+  for (std::size_t v = 0; v < views.size(); ++v)
+    for (int y = 0; y < 24; ++y)
+      for (int x = 0; x < 24; ++x)
+        views[v].depth(8 + int(v) % 3 * 12 + x, 8 + int(v) / 3 % 3 * 12 + y) = kNoDepth;
+  Result<LayeredImpostor> impostor = make_layered_impostor(std::move(views), {});
+  ASSERT_TRUE(impostor.ok()) << impostor.error().message();
+  Random random(11);
+  std::vector<glm::dvec3> directions;
+  for (int i = 0; i < 12; ++i) {
+    const float x = random.between(-1, 1), y = random.between(-1, 1), z = random.between(-1, 1);
+    directions.push_back(glm::normalize(glm::dvec3(x, y, z)));
+  }
+  expect_same_surfaces(std::move(*impostor), directions);
+}
+
 // Seen from a little above, and from below, where it is not.
 TEST(LayeredTiles, a_one_sided_lawn_is_what_the_slow_drawing_shows) {
   std::mt19937 rng(9);

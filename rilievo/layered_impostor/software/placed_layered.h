@@ -32,7 +32,7 @@ struct PlacedLayered {
   double scale = 1;
   std::uint32_t object = kNoObject;
   std::array<MarchedView, ServingViews::kMaxCount> views;
-  int count = 0;
+  int count = 0, weighted = 0, asked = 0;  // as ServingViews'
   double distance = 0;
   float nearest = 0;  // 1 / eye_z, which nothing exceeds
   double margin = 0;  // of distances beside those that neighbouring pixels show
