@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <memory>
 #include <optional>
 #include <string>
@@ -18,14 +17,12 @@
 #include "rilievo/keyframes/keyframe_bound.h"
 #include "rilievo/keyframes/software/keyframe_tiles.h"
 #include "rilievo/keyframes/software/sampled_loss.h"
+#include "rilievo/keyframes/software/software_painter.h"
 #include "rilievo/keyframes/software/torn_blocks.h"
 #include "rilievo/keyframes/software/unshown_objects.h"
-#include "rilievo/render/raster/blended_tiles.h"
 #include "rilievo/render/raster/frame_raster.h"
-#include "rilievo/render/raster/polygon_tiles.h"
 #include "rilievo/render/rays/ray_scene.h"
 #include "rilievo/render/software/sky_tiles.h"
-#include "rilievo/render/software/software_target.h"
 
 namespace rilievo {
 namespace {
@@ -74,7 +71,7 @@ struct KeyframeFrames::State {
   std::optional<NearObjects> near;
   UnshownObjects unshown;
   TornBlocks torn;
-  bool any_still = false, blends = false;
+  bool any_still = false;
   // Do keyframes show the scene's sky? A source of its own may have another.
   bool scene_sky = false;
   std::optional<KeyframeProducer> producer;
@@ -82,16 +79,12 @@ struct KeyframeFrames::State {
   bool warps = false;                 // the last frame shows keyframes
   bool making_beside = false;         // it is polygons, and keyframes are being made
 
-  SoftwareTarget target;
+  std::unique_ptr<KeyframePainter> painter;
   WarpedFrame warped;
-  Image<float> cover;  // of polygons
   Image<std::uint32_t> shown;
   SkyTiles sky;
   KeyframeTiles keyframe_tiles;
-  std::optional<PolygonTiles> polygons;
-  BlendedTiles blended;
   std::vector<std::uint32_t> in_view, still, live, blended_in_view;
-  std::vector<const TileDrawer*> drawers;
   Camera camera;
   FrameStats stats;
   KeyframeShares shares;
@@ -120,10 +113,8 @@ KeyframeFrames::State::State(const Scene& scene, RayScene made_rays,
       polygon(scene.objects.size()),
       unshown(placed, rays, options.near.triangles),
       torn(rays),
-      target(1, 1, options.samples),
       sky(scene.sky),
-      keyframe_tiles(rays, sky),
-      blended(scene) {}
+      keyframe_tiles(rays, sky) {}
 
 void KeyframeFrames::State::make_producer() {
   std::vector<std::uint32_t> objects;
@@ -132,20 +123,20 @@ void KeyframeFrames::State::make_producer() {
     moves[i] = scene.objects[i].moving;
     any_moves = any_moves || moves[i];
     if (!moves[i]) objects.push_back(i);
-    blends = blends || placed.has_blended_parts(i);
   }
   any_still = !objects.empty();
   if (any_still && !own_source && options.keyframes.keyframe_ms > 0 &&
       options.polygons_where_cheaper)
     cheaper.emplace();
   CaptureSource* source = own_source.get();
+  std::unique_ptr<FrameRaster> visibility;
   if (!source && options.by == KeyframesBy::raster) {
     source = &raster_source.emplace(placed);
     near.emplace(placed, objects, options.near);
-    polygons.emplace(scene, std::make_unique<FrameRaster>(scene, raster_source->materials()));
-  } else {
-    polygons.emplace(scene);
+    visibility = std::make_unique<FrameRaster>(scene, raster_source->materials());
   }
+  if (!painter)
+    painter = std::make_unique<SoftwarePainter>(scene, options.samples, std::move(visibility));
   if (!source) source = &ray_source;
   if (!any_moves) objects.clear();  // all: sources leave out what they do not see
   scene_sky = !own_source || options.keyframes.sky;
@@ -207,10 +198,7 @@ Result<> KeyframeFrames::State::warp(double time) {
 void KeyframeFrames::State::take_memory() {
   if (!near || producer->any()) return;
   find_view({});
-  const std::span<const std::uint32_t> any(live.data(), std::min<std::size_t>(live.size(), 1));
-  // A frame that is too large for polygons may need none.
-  if (!any.empty() && polygons->place(camera, options.samples, placed, any, {}))
-    polygons->find_cover(camera, cover);
+  painter->take_memory({live.data(), std::min<std::size_t>(live.size(), 1)});
 }
 
 // Those that rays have to fill.
@@ -236,15 +224,10 @@ float KeyframeFrames::State::nearest_of(std::span<const std::uint32_t> objects) 
 Result<> KeyframeFrames::State::warp_from(std::span<const WarpedKeyframe> keyframes) {
   const Stopwatch watch;
   find_view(keyframes);
-  if (Result<> done = polygons->place(camera, options.samples, placed, live, {}); !done)
-    return done;
-  WarpCover covers{&cover};
-  if (!live.empty()) {
-    polygons->find_cover(camera, cover);
-    covers.nearest = nearest_of(still);
-  }
+  if (Result<> done = painter->place(live); !done) return done;
   const double polygons_ms = watch.ms();
-  warp_keyframes(keyframes, camera, warped, live.empty() ? nullptr : &covers, scene_sky);
+  const float nearest = live.empty() ? 0 : nearest_of(still);
+  if (Result<> done = painter->warp(keyframes, nearest, scene_sky, warped); !done) return done;
   shares.polygons_ms += polygons_ms;
   shares.warp_ms += watch.ms() - polygons_ms;
   if (Result<> done = look_for_unshown(); !done) return done;
@@ -261,8 +244,7 @@ Result<> KeyframeFrames::State::look_for_unshown() {
   for (const std::uint32_t object : unshown) polygon[object] = true;
   if (!unshown.empty()) {
     divide_view(true);
-    if (Result<> done = polygons->place(camera, options.samples, placed, live, {}); !done)
-      return done;
+    if (Result<> done = painter->place(live); !done) return done;
   }
   shares.polygons_ms += watch.ms();
   return Done{};
@@ -277,7 +259,8 @@ Result<std::unique_ptr<KeyframeFrames>> KeyframeFrames::create(
 }
 
 Result<std::unique_ptr<KeyframeFrames>> KeyframeFrames::create(
-    const Scene& scene, const MakeSource& make, const KeyframeFramesOptions& options) {
+    const Scene& scene, const MakeSource& make, const KeyframeFramesOptions& options,
+    std::unique_ptr<KeyframePainter> painter) {
   Result<RayScene> rays = RayScene::create(scene);
   if (!rays) return rays.error();
   auto state = std::make_unique<State>(scene, std::move(*rays), options);
@@ -286,6 +269,7 @@ Result<std::unique_ptr<KeyframeFrames>> KeyframeFrames::create(
     if (!made) return made.error();
     state->own_source = std::move(*made);
   }
+  state->painter = std::move(painter);
   state->make_producer();
   return {std::unique_ptr<KeyframeFrames>(new KeyframeFrames(std::move(state)))};
 }
@@ -299,9 +283,7 @@ Result<> KeyframeFrames::draw(const Camera& camera, double time) {
   s.placed.set_time(time);
   s.shares = {};
   s.stats.captures = 0, s.stats.capture_ms = 0;
-  if (s.target.width() != camera.width || s.target.height() != camera.height)
-    s.target = SoftwareTarget(camera.width, camera.height, s.options.samples);
-  s.drawers.clear();
+  s.painter->begin(camera, s.placed, time);
   const bool followed = s.warps;
   if (s.warps) {
     if (Result<> done = s.warp(time); !done) return done;
@@ -313,22 +295,16 @@ Result<> KeyframeFrames::draw(const Camera& camera, double time) {
     s.keyframe_tiles.place(s.options.samples, s.still, s.producer->chosen());
     s.shares.fill_ms += watch.ms();
     s.shares.filled = double(s.warped.holes()) / (double(camera.width) * camera.height);
-    s.drawers.push_back(&s.keyframe_tiles);
   } else {
     s.find_view({});
-    if (Result<> done = s.polygons->place(camera, s.options.samples, s.placed, s.live, {}); !done)
-      return done;
+    if (Result<> done = s.painter->place(s.live); !done) return done;
   }
   const Stopwatch tiles;
   s.shares.live = int(s.live.size());
-  if (!s.live.empty()) s.drawers.insert(s.drawers.end(), {&*s.polygons, &s.polygons->shading()});
   s.sky.place(camera);
-  s.drawers.push_back(s.warps ? &s.keyframe_tiles.sky() : &s.sky);
-  if (s.blends) {
-    s.blended.place(camera, s.options.samples, s.placed, s.blended_in_view);
-    if (s.blended.any()) s.drawers.push_back(&s.blended);
-  }
-  s.target.draw(camera.z_far, s.drawers);
+  const KeyframeContent content{s.warps ? &s.keyframe_tiles : nullptr, &s.sky, s.blended_in_view};
+  if (Result<> done = s.painter->draw(content); !done) return done;
+  if (s.cheaper) s.painter->finish();
   s.shares.tiles_ms = tiles.ms();
   if (s.any_still && way != CheaperWay::Way::polygons) {
     // Beside polygons nobody asked for the keyframes at hand.
@@ -368,16 +344,11 @@ Result<> KeyframeFrames::draw(const Camera& camera, double time) {
 
 Result<> KeyframeFrames::draw_objects() {
   State& s = *state_;
-  s.drawers.clear();
   if (s.warps) {
     warp_objects(s.producer->chosen(), s.camera, s.warped, s.shown);
     s.keyframe_tiles.place_objects(s.shown, s.still);
-    s.drawers.push_back(&s.keyframe_tiles);
   }
-  if (Result<> done = s.polygons->place_objects(s.camera, s.placed, s.live, {}); !done) return done;
-  if (!s.live.empty()) s.drawers.push_back(&*s.polygons);
-  s.target.draw_objects(s.camera.z_far, s.drawers);
-  return Done{};
+  return s.painter->draw_objects(s.warps ? &s.keyframe_tiles : nullptr, s.shown);
 }
 
 Result<> KeyframeFrames::prepare(const Camera& camera, double time, bool anew, double allowed_ms) {
@@ -406,6 +377,7 @@ void KeyframeFrames::reserve(const Camera& camera, double time) {
   if (!s.any_still) return;
   s.placed.set_time(time);
   s.camera = camera;
+  s.painter->begin(camera, s.placed, time);
   s.producer->forget();
   s.take_memory();
   s.producer->reserve(camera, time);
@@ -422,6 +394,7 @@ Result<> KeyframeFrames::look_from(const Camera& camera, double time) {
   if (!s.warps) return Done{};
   s.camera = camera;
   s.placed.set_time(time);
+  s.painter->begin(camera, s.placed, time);
   return s.warp_from(s.producer->choose_for(camera));
 }
 
@@ -440,28 +413,13 @@ const RayScene& KeyframeFrames::rays() const { return state_->rays; }
 
 bool KeyframeFrames::prepared() const { return !state_->any_still || state_->producer->has_all(); }
 
-const SoftwareTarget* KeyframeFrames::software_target() const { return &state_->target; }
+const SoftwareTarget* KeyframeFrames::software_target() const { return state_->painter->target(); }
 const FrameStats& KeyframeFrames::stats() const { return state_->stats; }
 const KeyframeShares& KeyframeFrames::shares() const { return state_->shares; }
 
 double KeyframeFrames::live_share() const {
   const State& s = *state_;
-  if (!s.warps) return 1;
-  if (s.live.empty()) return 0;
-  std::atomic<std::size_t> live = 0;
-  const float nothing = float(1 / s.camera.z_far);
-  parallel_for(0, s.target.height(), [&](int y) {
-    // So written that a compiler makes vectors of it.
-    const float *shown = s.target.inverse_z().row(y).data(),
-                *warped = s.warped.inverse_z.row(y).data();
-    const std::uint32_t* color = s.warped.color.row(y).data();
-    std::uint32_t in_row = 0;
-    for (int x = 0; x < s.target.width(); ++x)
-      in_row += std::uint32_t(color[x] != 0) & std::uint32_t(shown[x] > warped[x]) &
-                std::uint32_t(shown[x] > nothing);
-    live += in_row;
-  });
-  return double(live) / (double(s.target.width()) * s.target.height());
+  return s.warps ? s.painter->polygon_share(s.warped) : 1;
 }
 
 std::vector<DepthImage> KeyframeFrames::read_pictures() const {

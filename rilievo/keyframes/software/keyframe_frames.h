@@ -1,9 +1,10 @@
-// Draws a scene's frames from keyframes, without OpenGL.
+// Draws a scene's frames from keyframes.
 //
 // A frame is warped from two keyframes; what neither shows is filled by rays; what moves and what
 // blends is drawn as polygons into the same z-buffer. Then a part of the next keyframe is made. The
-// cost depends on the frame's size, whatever the scene. Into a target of the source's own. Uses all
-// cores; without a limit of time the frames depend neither on it nor on the number of threads.
+// cost depends on the frame's size, whatever the scene. A painter (keyframe_painter.h) warps and
+// draws: by default on processors, into a target of its own. Uses all cores; without a limit of
+// time the frames depend neither on it nor on the number of threads.
 //
 // With a limit of time, whole frames are polygons where these take no more time, as measured now
 // and then (keyframes/cheaper_way.h).
@@ -16,6 +17,7 @@
 #include <vector>
 
 #include "rilievo/frame/frame_source.h"
+#include "rilievo/keyframes/keyframe_painter.h"
 #include "rilievo/keyframes/keyframe_producer.h"
 
 namespace rilievo {
@@ -58,11 +60,13 @@ class KeyframeFrames final : public FrameSource {
   // `scene` must be valid and outlive the source. Fails if memory does not suffice.
   [[nodiscard]] static Result<std::unique_ptr<KeyframeFrames>> create(
       const Scene& scene, const KeyframeFramesOptions& options);
-  // The same with keyframes by another source, which `make` makes of the scene as rays see it.
-  // Fails where that does.
+  // The same with keyframes by another source, which `make` makes of the scene as rays see it
+  // (empty: as `options` say), and drawn by another painter of the same scene (null: on
+  // processors). Fails where `make` does.
   using MakeSource = std::function<Result<std::unique_ptr<CaptureSource>>(const RayScene&)>;
   [[nodiscard]] static Result<std::unique_ptr<KeyframeFrames>> create(
-      const Scene& scene, const MakeSource& make, const KeyframeFramesOptions& options);
+      const Scene& scene, const MakeSource& make, const KeyframeFramesOptions& options,
+      std::unique_ptr<KeyframePainter> painter = nullptr);
   ~KeyframeFrames() override;
 
   // See FrameSource. Fail where a capture does.
