@@ -175,7 +175,7 @@ std::uint32_t shade(const WarpSource* sources, int count, const DepthStrip& stri
     }
     // Pixel by pixel, so that the same ones are with any number of lanes.
     Mask plain = hn::Gt(zero, zero);
-    if (strip.plain_sky && strip.plain_sky[x / DepthStrip::kSkyColumns] != 0)
+    if (strip.plain_sky && strip.plain_sky[x / kPlainSkyColumns] != 0)
       plain = hn::AndNot(covered, hn::Eq(hn::Max(splatted, nearest), zero));
     if (left >= lanes && hn::AllTrue(f, plain)) {
       hn::StoreU(hn::Set(u32, kPlainSky), u32, color + x);

@@ -1,27 +1,12 @@
 // The SIMD passes of keyframes/warp_keyframes.h. Internal: not a stable interface.
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 
-#include "rilievo/keyframes/warp_keyframes.h"
+#include "rilievo/keyframes/warp_sources.h"
 
 namespace rilievo {
-
-// What warping one keyframe needs.
-struct WarpSource {
-  const Keyframe* keyframe = nullptr;
-  RasterMap to_frame, from_frame;
-  float weight = 1;
-  bool spare = false;          // these come last
-  float pixels_per_texel = 1;  // of what has the same depth in both
-};
-
-// The side of the largest square of a texel, pixels.
-inline float largest_square(const WarpSource& source) {
-  return kLargestSquare * std::max(1.0f, source.pixels_per_texel);
-}
 
 // Depths of rows [first, first + rows) of a frame, with a border of one pixel on each side.
 struct DepthStrip {
@@ -29,9 +14,8 @@ struct DepthStrip {
   float* inverse_z = nullptr;         // of the row above the first one, at its border
   std::size_t stride = 0;
   int first = 0, rows = 0, width = 0;
-  // Of each kSkyColumns columns: a keyframe shows nothing but the sky there. Null: that is not
-  // asked.
-  static constexpr int kSkyColumns = 64;
+  // Of each kPlainSkyColumns columns: a keyframe shows nothing but the sky there. Null: that is
+  // not asked.
   const std::uint8_t* plain_sky = nullptr;
 
   [[nodiscard]] float* row(int y) const {
