@@ -23,6 +23,7 @@
 
 namespace rilievo {
 
+class KeyframePainter;
 class SoftwareBackend;
 
 // Draws one scene's frames.
@@ -61,6 +62,10 @@ class Backend {
   // Draws what `chooser`, of this backend's scene, chooses.
   [[nodiscard]] virtual Result<std::unique_ptr<FrameSource>> make_frames(
       std::unique_ptr<FrameChooser> chooser) = 0;
+
+  // Who warps keyframes of the backend's scene and draws the frames; null: without OpenGL
+  // KeyframeFrames makes its own. Fails where the driver does.
+  [[nodiscard]] virtual Result<std::unique_ptr<KeyframePainter>> make_keyframe_painter() = 0;
 
   // A target of this size, with the backend's samples, for frames that are read. Fails where the
   // driver does, and for sizes that are too large.

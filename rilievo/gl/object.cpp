@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <initializer_list>
 
 namespace rilievo::gl {
 namespace {
@@ -34,6 +35,23 @@ Result<GLuint> compile(std::string_view name, GLenum kind, std::string_view sour
   log.resize(std::size_t(length));
   glDeleteShader(shader);
   return Error{std::string(name), "shader does not compile: " + log};
+}
+
+// Deletes the shaders.
+Result<Program> link(std::string_view name, std::initializer_list<GLuint> shaders) {
+  ++made_programs;
+  Program program(glCreateProgram());
+  for (const GLuint shader : shaders) glAttachShader(program, shader);
+  glLinkProgram(program);
+  for (const GLuint shader : shaders) glDeleteShader(shader);
+  GLint ok = 0;
+  glGetProgramiv(program, GL_LINK_STATUS, &ok);
+  if (ok) return program;
+  std::string log(4096, '\0');
+  GLsizei length = 0;
+  glGetProgramInfoLog(program, GLsizei(log.size()), &length, log.data());
+  log.resize(std::size_t(length));
+  return Error{std::string(name), "program does not link: " + log};
 }
 
 }  // namespace
@@ -91,7 +109,6 @@ VertexArray make_vertex_array() {
 
 Result<Program> make_program(std::string_view name, std::string_view vertex,
                              std::string_view fragment, std::string_view defines) {
-  ++made_programs;
   const Result<GLuint> v = compile(name, GL_VERTEX_SHADER, vertex, defines);
   if (!v) return v.error();
   const Result<GLuint> f = compile(name, GL_FRAGMENT_SHADER, fragment, defines);
@@ -99,20 +116,14 @@ Result<Program> make_program(std::string_view name, std::string_view vertex,
     glDeleteShader(*v);
     return f.error();
   }
-  Program program(glCreateProgram());
-  glAttachShader(program, *v);
-  glAttachShader(program, *f);
-  glLinkProgram(program);
-  glDeleteShader(*v);
-  glDeleteShader(*f);
-  GLint ok = 0;
-  glGetProgramiv(program, GL_LINK_STATUS, &ok);
-  if (ok) return program;
-  std::string log(4096, '\0');
-  GLsizei length = 0;
-  glGetProgramInfoLog(program, GLsizei(log.size()), &length, log.data());
-  log.resize(std::size_t(length));
-  return Error{std::string(name), "program does not link: " + log};
+  return link(name, {*v, *f});
+}
+
+Result<Program> make_compute_program(std::string_view name, std::string_view source,
+                                     std::string_view defines) {
+  const Result<GLuint> shader = compile(name, GL_COMPUTE_SHADER, source, defines);
+  if (!shader) return shader.error();
+  return link(name, {*shader});
 }
 
 std::size_t programs_made() { return made_programs; }

@@ -67,6 +67,9 @@ using Program = Object<detail::destroy_program>;
 [[nodiscard]] Result<Program> make_program(std::string_view name, std::string_view vertex,
                                            std::string_view fragment,
                                            std::string_view defines = "");
+// The same of a compute shader.
+[[nodiscard]] Result<Program> make_compute_program(std::string_view name, std::string_view source,
+                                                   std::string_view defines = "");
 // How many programs this process has made: a frame that makes one stutters.
 [[nodiscard]] std::size_t programs_made();
 

@@ -67,7 +67,10 @@ struct Keyframe {
   Image<float> inverse_z;       // 1 / eye_z of the surface at the texel's centre; 0: sky
   Image<std::uint32_t> object;  // index into Scene::objects + 1; kNoObject: sky
   bool coarse = false;          // has larger texels than the frames for which it was made
-  bool sharp = false;           // its quarters are samples, not smoothed: of an eye that stands
+  // Of those that one producer made, ascending; 0: it is not told. Who keeps a copy knows it by
+  // that.
+  std::uint64_t number = 0;
+  bool sharp = false;  // its quarters are samples, not smoothed: of an eye that stands
   // Objects that it was captured without, and those whose texels are hidden: a hidden texel has the
   // negative of its 1 / eye_z, and is not warped. Ascending.
   std::vector<std::uint32_t> left_out, hidden;

@@ -12,7 +12,6 @@
 #include <span>
 
 #include "rilievo/core/camera.h"
-#include "rilievo/core/image.h"
 #include "rilievo/core/result.h"
 #include "rilievo/keyframes/warp_keyframes.h"
 #include "rilievo/render/placed_scene.h"
@@ -47,9 +46,9 @@ class KeyframePainter {
                         WarpedFrame& out) = 0;
   // Draws the frame.
   virtual Result<> draw(const KeyframeContent& content) = 0;
-  // Draws its identifiers: `shown` of what was warped, for which KeyframeTiles::place_objects() was
-  // called. Null: all is polygons.
-  virtual Result<> draw_objects(KeyframeTiles* warped, const Image<std::uint32_t>& shown) = 0;
+  // Draws its identifiers, into a ProbeTarget if it draws with OpenGL. Of what was warped
+  // KeyframeTiles::place_objects() was called; null: all is polygons.
+  virtual Result<> draw_objects(KeyframeTiles* warped) = 0;
 
   // Waits until the frame is drawn, so that its time can be taken.
   virtual void finish() {}

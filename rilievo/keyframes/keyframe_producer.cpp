@@ -242,6 +242,7 @@ void KeyframeProducer::add(Keyframe keyframe) {
     keep_memory(std::move(ready_[i]));
     ready_.erase(ready_.begin() + std::ptrdiff_t(i));
   }
+  keyframe.number = ++made_;
   ready_.push_back(std::move(keyframe));
   if (near_ || !also_hidden_.empty()) hide_objects_of_all();
   while (spare_.size() > kSpare && ready_.size() + spare_.size() > kKept + kSpare)

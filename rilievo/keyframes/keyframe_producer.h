@@ -158,6 +158,7 @@ class KeyframeProducer {
   Camera frame_;
   double time_ = 0;
   std::vector<Keyframe> ready_, spare_;  // the newest last
+  std::uint64_t made_ = 0;               // how many were
   KeyframeMaker maker_;
   bool complete_ = false;  // what is made: it is used from the next frame on
   std::vector<WarpedKeyframe> chosen_;

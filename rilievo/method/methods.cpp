@@ -106,10 +106,12 @@ Result<Method> make_keyframes(const MethodOptions& options, Backend& backend) {
       return make_slow_source(options.source, input);
     };
   }
+  Result<std::unique_ptr<KeyframePainter>> painter = backend.make_keyframe_painter();
+  if (!painter) return painter.error();
   Result<std::unique_ptr<KeyframeFrames>> made =
-      KeyframeFrames::create((*software)->scene(), make, keyframes);
+      KeyframeFrames::create((*software)->scene(), make, keyframes, std::move(*painter));
   if (!made) return made.error();
-  return as_method(backend.present(std::move(*made)));
+  return as_method(std::unique_ptr<FrameSource>(std::move(*made)));
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include "rilievo/frame/gl/opengl_target.h"
 #include "rilievo/frame/gl/presented_frames.h"
 #include "rilievo/gl/context.h"
+#include "rilievo/keyframes/gl/opengl_painter.h"
 #include "rilievo/nailboard/gl/atlas_boards.h"
 #include "rilievo/nailboard/gl/atlas_pictures.h"
 #include "rilievo/nailboard/gl/atlas_store.h"
@@ -53,6 +54,10 @@ Result<std::unique_ptr<Backend>> OpenGLBackend::make_backend(const Scene& scene)
 Result<std::unique_ptr<FrameSource>> OpenGLBackend::make_frames(
     std::unique_ptr<FrameChooser> chooser) {
   return {std::make_unique<OpenGLFrames>(*renderer_, std::move(chooser))};
+}
+
+Result<std::unique_ptr<KeyframePainter>> OpenGLBackend::make_keyframe_painter() {
+  return OpenGLPainter::create(*renderer_);
 }
 
 Result<std::unique_ptr<BackendTarget>> OpenGLBackend::make_target(int width, int height) const {

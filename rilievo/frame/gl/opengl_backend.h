@@ -39,6 +39,7 @@ class OpenGLBackend final : public Backend {
   [[nodiscard]] Result<std::unique_ptr<Backend>> make_backend(const Scene& scene) const override;
   [[nodiscard]] Result<std::unique_ptr<FrameSource>> make_frames(
       std::unique_ptr<FrameChooser> chooser) override;
+  [[nodiscard]] Result<std::unique_ptr<KeyframePainter>> make_keyframe_painter() override;
   [[nodiscard]] Result<std::unique_ptr<BackendTarget>> make_target(int width,
                                                                    int height) const override;
   void finish() override;

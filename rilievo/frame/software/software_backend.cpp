@@ -8,6 +8,7 @@
 #include "rilievo/core/expects.h"
 #include "rilievo/frame/software/software_backend_target.h"
 #include "rilievo/frame/software/software_frames.h"
+#include "rilievo/keyframes/keyframe_painter.h"
 #include "rilievo/nailboard/software/software_boards.h"
 #include "rilievo/nailboard/software/software_pictures.h"
 #include "rilievo/nailboard/software/software_store.h"
@@ -85,6 +86,10 @@ Result<std::unique_ptr<Backend>> SoftwareBackend::make_backend(const Scene& scen
 Result<std::unique_ptr<FrameSource>> SoftwareBackend::make_frames(
     std::unique_ptr<FrameChooser> chooser) {
   return {std::make_unique<SoftwareFrames>(*this, std::move(chooser))};
+}
+
+Result<std::unique_ptr<KeyframePainter>> SoftwareBackend::make_keyframe_painter() {
+  return {std::unique_ptr<KeyframePainter>()};
 }
 
 Result<std::unique_ptr<BackendTarget>> SoftwareBackend::make_target(int width, int height) const {

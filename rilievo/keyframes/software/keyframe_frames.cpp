@@ -348,7 +348,7 @@ Result<> KeyframeFrames::draw_objects() {
     warp_objects(s.producer->chosen(), s.camera, s.warped, s.shown);
     s.keyframe_tiles.place_objects(s.shown, s.still);
   }
-  return s.painter->draw_objects(s.warps ? &s.keyframe_tiles : nullptr, s.shown);
+  return s.painter->draw_objects(s.warps ? &s.keyframe_tiles : nullptr);
 }
 
 Result<> KeyframeFrames::prepare(const Camera& camera, double time, bool anew, double allowed_ms) {

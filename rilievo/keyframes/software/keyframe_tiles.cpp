@@ -82,6 +82,7 @@ struct KeyframeTiles::State {
   };
   [[nodiscard]] DepthRange range_of(int x, int y, int columns, int rows) const;
   void fill(FrameTile& tile) const;
+  void read_tile(FrameTile& tile, std::vector<FilledHole>& filled) const;
   void show_points(FrameTile& tile, std::size_t index) const;
   void cast_open(FrameTile& tile, std::size_t index) const;
   // In the keyframes' light: the colour by rays of an open hole.
@@ -383,6 +384,50 @@ std::uint32_t KeyframeTiles::State::relit(const SeenTriangles::Pixel& seen, std:
 void KeyframeTiles::draw_tile(FrameTile& tile) const {
   for (int block = 0; block < FrameTile::kBlockCount; ++block) state_->copy_block(tile, block);
   state_->fill(tile);
+}
+
+// The tile holds nothing but what fills its holes.
+void KeyframeTiles::State::read_tile(FrameTile& tile, std::vector<FilledHole>& filled) const {
+  const std::size_t index = tile_index(tile);
+  fill(tile);
+  scene_sky.draw_tile(tile);
+  for (std::uint32_t i = first[index]; i < first[index + 1]; ++i) {
+    const TilePixel at(tile, holes[i].x, holes[i].y);
+    FilledHole& hole = filled[i] = {holes[i].x, holes[i].y, kPlainSky, 0};
+    const int planes = tile.planes(at.block);
+    // Two bytes at a time; half a step, so that the mean is rounded.
+    std::uint32_t even = 0, odd = 0;
+    for (int s = 0; s < planes; ++s) {
+      const FrameTile::Plane& plane = tile.plane(at.block, s);
+      const std::uint32_t color = plane.content[at.pixel];
+      even += color & 0x00ff00ffu, odd += color >> 8 & 0xffu;
+      const float inverse_z = plane.inverse_z[at.pixel];
+      if (hole.inverse_z == 0 && inverse_z > tile.nothing) hole.inverse_z = inverse_z;
+    }
+    if (hole.inverse_z == 0) continue;
+    const std::uint32_t half = std::uint32_t(planes / 2), shift = planes == 4 ? 2 : 0;
+    even += half << 16 | half, odd += half;
+    hole.color = 0xff000000u | (even >> shift & 0x00ff00ffu) | odd >> shift << 8;
+  }
+}
+
+void KeyframeTiles::read_holes(std::vector<FilledHole>& filled) const {
+  const State& s = *state_;
+  RILIEVO_EXPECTS(s.warped && !s.shown);
+  filled.resize(s.holes.size());
+  const int across = tiles_of(s.camera.width);
+  parallel_for(0, int(s.first.size()) - 1, [&](int i) {
+    if (s.first[std::size_t(i)] == s.first[std::size_t(i) + 1]) return;
+    static thread_local const auto memory = std::make_unique<FrameTile>();
+    FrameTile& tile = *memory;
+    tile.x = i % across * kTileSize, tile.y = i / across * kTileSize;
+    tile.width = s.camera.width, tile.height = s.camera.height;
+    tile.samples = s.samples;
+    tile.of = TileContent::color;
+    tile.nothing = float(1 / s.camera.z_far);
+    tile.clear(0);
+    s.read_tile(tile, filled);
+  });
 }
 
 void KeyframeTiles::State::draw_sky(FrameTile& tile) const {

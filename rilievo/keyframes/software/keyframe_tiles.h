@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "rilievo/core/camera.h"
+#include "rilievo/keyframes/filled_hole.h"
 #include "rilievo/keyframes/warp_keyframes.h"
 #include "rilievo/render/rays/cast_pixels.h"
 #include "rilievo/render/software/frame_tile.h"
@@ -45,6 +46,10 @@ class KeyframeTiles final : public TileDrawer {
   // After the colours: prepares identifiers, `shown` of what was warped, and what `objects` show in
   // holes.
   void place_objects(const Image<std::uint32_t>& shown, std::span<const std::uint32_t> objects);
+
+  // After place(), for who draws elsewhere: what draw_tile() and the sky show in the holes, the
+  // mean of their samples. Draw either.
+  void read_holes(std::vector<FilledHole>& filled) const;
 
   void draw_tile(FrameTile& tile) const override;
   // The sky as keyframes show it, with what was before it in part of a texel, and that of holes.

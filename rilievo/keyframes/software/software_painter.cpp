@@ -51,8 +51,7 @@ Result<> SoftwarePainter::draw(const KeyframeContent& content) {
   return Done{};
 }
 
-Result<> SoftwarePainter::draw_objects(KeyframeTiles* warped,
-                                       const Image<std::uint32_t>& /*shown*/) {
+Result<> SoftwarePainter::draw_objects(KeyframeTiles* warped) {
   drawers_.clear();
   if (warped) drawers_.push_back(warped);
   if (Result<> done = polygons_.place_objects(camera_, *placed_, live_, {}); !done) return done;

@@ -22,7 +22,7 @@ class SoftwarePainter final : public KeyframePainter {
   Result<> warp(std::span<const WarpedKeyframe> keyframes, float nearest, bool leaves_sky,
                 WarpedFrame& out) override;
   Result<> draw(const KeyframeContent& content) override;
-  Result<> draw_objects(KeyframeTiles* warped, const Image<std::uint32_t>& shown) override;
+  Result<> draw_objects(KeyframeTiles* warped) override;
   void take_memory(std::span<const std::uint32_t> polygons) override;
   [[nodiscard]] double polygon_share(const WarpedFrame& warped) const override;
   [[nodiscard]] const SoftwareTarget* target() const override { return &target_; }
