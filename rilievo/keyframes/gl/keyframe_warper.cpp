@@ -75,7 +75,7 @@ Result<> KeyframeWarper::resize(int width, int height) {
   return Done{};
 }
 
-// The sources, and behind them where the sky is plain.
+// The sources, and where the sky is plain.
 void KeyframeWarper::upload_sources(const Camera& frame, bool leaves_sky) {
   std::array<SourceWords, shader::kMostWarped> words{};
   for (std::size_t i = 0; i < sources_.size(); ++i) {
@@ -100,10 +100,10 @@ void KeyframeWarper::upload_sources(const Camera& frame, bool leaves_sky) {
       find_plain_sky(sources_, first, std::min(WarpedFrame::kStrip, frame.height - first),
                      frame.width, &plain_sky_[i * across]);
     }
-  words_.resize(sizeof words / sizeof(std::uint32_t));
-  std::memcpy(words_.data(), words.data(), sizeof words);
-  words_.insert(words_.end(), plain_sky_.begin(), plain_sky_.end());
-  stream_.upload_and_bind(GL_SHADER_STORAGE_BUFFER, shader::kSourceBlock,
+  words_.assign(plain_sky_.begin(), plain_sky_.end());
+  uniforms_.upload_and_bind(GL_UNIFORM_BUFFER, shader::kSourceBlock,
+                            std::as_bytes(std::span(words)));
+  stream_.upload_and_bind(GL_SHADER_STORAGE_BUFFER, shader::kPixelBlock,
                           std::as_bytes(std::span(words_)));
 }
 
@@ -177,7 +177,7 @@ void KeyframeWarper::read_back(WarpedFrame& out) const {
 
 void KeyframeWarper::fill(std::span<const FilledHole> holes) {
   if (holes.empty()) return;
-  stream_.upload_and_bind(GL_SHADER_STORAGE_BUFFER, shader::kSourceBlock, std::as_bytes(holes));
+  stream_.upload_and_bind(GL_SHADER_STORAGE_BUFFER, shader::kPixelBlock, std::as_bytes(holes));
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, framebuffer_);
   glViewport(0, 0, width_, height_);
   glDisable(GL_SCISSOR_TEST);

@@ -1,10 +1,10 @@
 // Warps keyframes with OpenGL: as warp_keyframes() does, in the same two passes.
 //
 // Forward in depth by a compute shader, one invocation for each texel, whose square keeps the
-// nearest depth at each pixel; backward in colour by a fragment shader. A mesh with a vertex for
-// each texel, cut at silhouettes, would be two triangles for each texel of each keyframe, of which
-// most are smaller than a pixel; and where it is cut, half a texel of each surface would be
-// missing. Colours differ from the processors' by a rounding.
+// nearest depth at each pixel; backward in colour by a fragment shader. (A mesh of the texels, cut
+// at silhouettes, would be two triangles for each texel, most of them smaller than a pixel, and
+// lack half a texel of each surface where it is cut: docs/keyframes.md has the times.) Where a
+// driver contracts products and sums, a pixel may differ from the processors'.
 //
 // Needs a current OpenGL context; changes its state.
 #pragma once
@@ -63,7 +63,7 @@ class KeyframeWarper {
   gl::Buffer depths_;  // 1 / eye_z as bits, of rows -1 to height
   gl::Texture color_, inverse_z_, objects_, object_depths_;
   gl::Framebuffer framebuffer_;
-  gl::StreamBuffer stream_;
+  gl::StreamBuffer stream_, uniforms_;
   std::vector<WarpSource> sources_;
   std::vector<std::uint32_t> words_;
   std::vector<std::uint8_t> plain_sky_;

@@ -15,10 +15,7 @@ struct Source {
   float weight, pixels_per_texel, largest_square;
   int width, height, finer, spare, unused;
 };
-layout(std430, binding = SOURCE_BLOCK) restrict readonly buffer Sources {
-  Source sources[MOST_WARPED];
-  uint plain_sky[];  // by strip and kPlainSkyColumns columns: not 0 where it is plain
-};
+layout(std140, binding = SOURCE_BLOCK) uniform Sources { Source sources[MOST_WARPED]; };
 layout(std430, binding = KEYFRAME_BLOCK) restrict readonly buffer Keyframe {
   uint words[];
 } keyframes[MOST_WARPED];
@@ -75,6 +72,8 @@ void main() {
 // As warp_rows.cpp and warp_lookup.inl, pixel by pixel; these say why.
 const char* const kLookup = R"(
 layout(std430, binding = DEPTH_BLOCK) restrict readonly buffer Depths { uint depths[]; };
+// By strip and SKY_COLUMNS columns: not 0 where the sky is plain.
+layout(std430, binding = PIXEL_BLOCK) restrict readonly buffer PlainSky { uint plain_sky[]; };
 layout(location = 0) uniform int count;
 layout(location = 1) uniform ivec2 size;
 layout(location = 2) uniform ivec3 same;     // a source whose texels are the pixels; -1: none; left, top
@@ -245,7 +244,7 @@ void main() {
 
 // A triangle for each, around the middle of its pixel: the size of points is the caller's state.
 const char* const kFillVertex = R"(#version 450
-layout(std430, binding = SOURCE_BLOCK) restrict readonly buffer Holes { uvec4 holes[]; };
+layout(std430, binding = PIXEL_BLOCK) restrict readonly buffer Holes { uvec4 holes[]; };
 layout(location = 0) uniform ivec2 size;
 flat out uint v_color;
 flat out float v_inverse_z;
@@ -323,15 +322,16 @@ std::string constants() {
   // One step of a float before the far plane.
   return define("FARTHEST", "(1.0 - 1.0 / 8388608.0)") + whole("MOST_WARPED", kMostWarped) +
          whole("DEPTH_BLOCK", kDepthBlock) + whole("KEYFRAME_BLOCK", kKeyframeBlock) +
-         whole("SOURCE_BLOCK", kSourceBlock) + whole("SPLAT_GROUP", kSplatGroup) +
-         number("HALF_SQUARE", kHalfSquare) + number("SAME_SURFACE", kSameSurfaceDepth) +
-         number("MOST_MAGNIFIED", kMostMagnified) + number("MOST_MIXED", kMostMixed) +
-         whole("TEXEL_WEIGHTS", kTexelWeights) + whole("ALL_SHOWN", kAllShown) +
-         whole("LEAST_SHOWN", kLeastShown) + bits("OWN", std::uint32_t(Quarter::own)) +
-         bits("NEARER", std::uint32_t(Quarter::nearer)) + bits("OWN_PARTS", kOwnParts) +
-         whole("QUARTER_PARTS", kQuarterParts) + whole("OTHER_QUARTER_SHIFT", kOtherQuarterShift) +
-         bits("COVERED", kCoveredPixel) + bits("PLAIN_SKY", kPlainSky) +
-         whole("SKY_COLUMNS", kPlainSkyColumns) + whole("STRIP", WarpedFrame::kStrip);
+         whole("SOURCE_BLOCK", kSourceBlock) + whole("PIXEL_BLOCK", kPixelBlock) +
+         whole("SPLAT_GROUP", kSplatGroup) + number("HALF_SQUARE", kHalfSquare) +
+         number("SAME_SURFACE", kSameSurfaceDepth) + number("MOST_MAGNIFIED", kMostMagnified) +
+         number("MOST_MIXED", kMostMixed) + whole("TEXEL_WEIGHTS", kTexelWeights) +
+         whole("ALL_SHOWN", kAllShown) + whole("LEAST_SHOWN", kLeastShown) +
+         bits("OWN", std::uint32_t(Quarter::own)) + bits("NEARER", std::uint32_t(Quarter::nearer)) +
+         bits("OWN_PARTS", kOwnParts) + whole("QUARTER_PARTS", kQuarterParts) +
+         whole("OTHER_QUARTER_SHIFT", kOtherQuarterShift) + bits("COVERED", kCoveredPixel) +
+         bits("PLAIN_SKY", kPlainSky) + whole("SKY_COLUMNS", kPlainSkyColumns) +
+         whole("STRIP", WarpedFrame::kStrip);
 }
 
 }  // namespace

@@ -8,9 +8,9 @@ namespace rilievo::shader {
 // At most so many keyframes are warped at once.
 inline constexpr int kMostWarped = 4;
 
-// Storage blocks of all passes.
+// The storage blocks of all passes, and the uniform block of what is known of keyframes.
 inline constexpr int kDepthBlock = 0, kKeyframeBlock = 1,
-                     kSourceBlock = kKeyframeBlock + kMostWarped;
+                     kPixelBlock = kKeyframeBlock + kMostWarped, kSourceBlock = 0;
 
 // Forward: one invocation for each texel of a keyframe.
 inline constexpr int kSplatGroup = 64;  // texels of a row
