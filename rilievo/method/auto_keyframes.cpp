@@ -112,11 +112,12 @@ bool KeyframesDoubt::add(double drawn_ms, double keyframes_ms) {
   return frames_ >= kBelieved;
 }
 
-bool first_is_hopeless(double loss_db, std::optional<double> cache_loss_db, double allowed_db) {
+bool first_is_hopeless(double loss_db, std::optional<double> cache_loss_db, double allowed_db,
+                       bool drew) {
   if (loss_db > kMostTimes * allowed_db) return true;
   if (!cache_loss_db) return false;
   // As they are judged when there are two.
-  const double sure = *cache_loss_db > kCertainly * allowed_db ? 1 : kCertainly;
+  const double sure = drew || *cache_loss_db > kCertainly * allowed_db ? 1 : kCertainly;
   return !good_enough(loss_db - kSecondBrings, cache_loss_db, sure * allowed_db);
 }
 

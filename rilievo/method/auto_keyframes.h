@@ -89,9 +89,10 @@ class KeyframesDoubt {
 
 // Will frames from two keyframes lose more than is allowed? `loss_db` is the loss of frames from
 // the first one alone, which a second one has made smaller by 0.7 dB at most; `cache_loss_db` that
-// of the cache's frame at the same time (none: not known).
+// of the cache's frame at the same time (none: not known). `drew`: keyframes have drawn before, so
+// that more is known of them than what was looked at now.
 [[nodiscard]] bool first_is_hopeless(double loss_db, std::optional<double> cache_loss_db,
-                                     double allowed_db);
+                                     double allowed_db, bool drew);
 
 // A trial of keyframes ended so many frames ago, and the cache, which warms up for `warm_up`
 // frames, draws again. Are they kept until it is known what it takes now? It was compared by what

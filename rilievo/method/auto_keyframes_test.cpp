@@ -6,6 +6,7 @@
 #include <functional>
 
 #include "rilievo/method/auto_decision.h"
+#include "rilievo/method/good_enough.h"
 #include "rilievo/render/software/software_target.h"
 #include "rilievo/scene/builtin/builtin.h"
 
@@ -70,16 +71,33 @@ TEST(AutoKeyframes, they_are_given_up_where_what_draws_takes_far_less) {
 // What the first keyframe lost, the cache, and two keyframes, as measured: those that were refused
 // in the end, and with which the cache was good, are refused at once; and none that was wanted.
 TEST(AutoKeyframes, the_first_one_is_judged_beside_the_cache) {
-  EXPECT_TRUE(first_is_hopeless(7.1, 4.9, 4));    // helmets-fly; 7.2 dB with two
-  EXPECT_TRUE(first_is_hopeless(5.9, 3.3, 4));    // rabbits-inside; 7.7
-  EXPECT_TRUE(first_is_hopeless(4.3, 0.3, 4));    // hall-inside; 9.3
-  EXPECT_TRUE(first_is_hopeless(8.9, {}, 4));     // grove-inside
-  EXPECT_FALSE(first_is_hopeless(3.9, 8.6, 4));   // trucks-fly; 3.7
-  EXPECT_FALSE(first_is_hopeless(5.1, 4.9, 4));   // bridge; 4.4
-  EXPECT_FALSE(first_is_hopeless(2.9, 3.9, 4));   // town-fly; 3.5
-  EXPECT_FALSE(first_is_hopeless(2.2, 0.3, 4));   // grove-fly; 2.5
-  EXPECT_FALSE(first_is_hopeless(-3.8, -10, 4));  // scan-orbit; 0.9
-  EXPECT_FALSE(first_is_hopeless(7.1, {}, 4));
+  EXPECT_TRUE(first_is_hopeless(7.1, 4.9, 4, false));    // helmets-fly; 7.2 dB with two
+  EXPECT_TRUE(first_is_hopeless(5.9, 3.3, 4, false));    // rabbits-inside; 7.7
+  EXPECT_TRUE(first_is_hopeless(4.3, 0.3, 4, false));    // hall-inside; 9.3
+  EXPECT_TRUE(first_is_hopeless(8.9, {}, 4, false));     // grove-inside
+  EXPECT_FALSE(first_is_hopeless(3.9, 8.6, 4, false));   // trucks-fly; 3.7
+  EXPECT_FALSE(first_is_hopeless(5.1, 4.9, 4, false));   // bridge; 4.4
+  EXPECT_FALSE(first_is_hopeless(2.9, 3.9, 4, false));   // town-fly; 3.5
+  EXPECT_FALSE(first_is_hopeless(2.2, 0.3, 4, false));   // grove-fly; 2.5
+  EXPECT_FALSE(first_is_hopeless(-3.8, -10, 4, false));  // scan-orbit; 0.9
+  EXPECT_FALSE(first_is_hopeless(7.1, {}, 4, false));
+}
+
+// Whatever the first one lost: two that lose as much as a second one brings less are good enough.
+TEST(AutoKeyframes, the_first_one_is_judged_no_more_strictly_than_two_are) {
+  constexpr double kAllowed = 4, kSecondBrings = 1;
+  for (const bool drew : {false, true})
+    for (double cache = -2; cache < 9; cache += 0.25)
+      for (double loss = 0; loss < 8; loss += 0.25) {
+        // AutoFrames::good_enough().
+        const bool compared = cache > kCertainly * kAllowed;
+        const double sure = !drew && !compared ? kCertainly : 1;
+        const bool two = good_enough(loss - kSecondBrings, cache, sure * kAllowed);
+        EXPECT_EQ(first_is_hopeless(loss, cache, kAllowed, drew), !two)
+            << loss << " beside " << cache << ", " << drew;
+      }
+  EXPECT_TRUE(first_is_hopeless(4.3, 0.3, 4, false));
+  EXPECT_FALSE(first_is_hopeless(4.3, 0.3, 4, true));
 }
 
 // As in bridge: 20 ms were measured before the trial and 25 ms after it.
