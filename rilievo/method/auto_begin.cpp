@@ -77,6 +77,7 @@ Result<> AutoFrames::begin(const Camera& camera, double time) {
   const Result<bool> pay = keyframes_pay(camera, time);
   if (!pay) return pay.error();
   begins_with_keyframes_ = *pay, begun_in_ = frame_;
+  made_.usual.forget();
   // To try the cache later is dear: it captures for several frames. Direct drawing is tried at any
   // time.
   decision_.emplace(kCandidates, caches_ && !cheap_ ? kCache : kDirect, pace_ms);

@@ -70,6 +70,8 @@ class UsualTime {
   // After a frame of `ms`. `drawn_ms`: the mean of the method that draws (0: not known yet);
   // `warm`: it has warmed up.
   [[nodiscard]] double add(double ms, double drawn_ms, bool warm);
+  // The eye is elsewhere, or the frame has another size: the least so far says nothing.
+  void forget() { least_ms_ = HUGE_VAL; }
 
  private:
   double least_ms_ = HUGE_VAL;

@@ -51,6 +51,15 @@ TEST(AutoKeyframes, what_is_usual_is_not_what_the_first_captures_took) {
   EXPECT_EQ(usual.add(40, 42, true), 42);
 }
 
+// After a jump, or in a larger window: a part of 0.15 times the old frame would be none.
+TEST(AutoKeyframes, what_is_usual_elsewhere_is_forgotten) {
+  UsualTime usual;
+  EXPECT_EQ(usual.add(5, 0, false), 5);
+  usual.forget();
+  EXPECT_EQ(usual.add(80, 0, false), 80);
+  EXPECT_EQ(usual.add(60, 0, false), 60);
+}
+
 // What draws and what the model says of keyframes, as measured: in trucks-fly the cache takes
 // little in the first frames that are warm, and 0.44 times what the model says keyframes do then;
 // in bridge keyframes take as long as the cache.

@@ -88,10 +88,10 @@ void AutoFrames::make_part(const Camera& camera, double time, double ms) {
   made_.given_up = warm && made_.doubt.add(decision_->drawn_ms(), outlook_[kKeyframes].guess_ms);
   if (made_.given_up) return;
   KeyframeFrames& frames = *prepared_keyframes();
-  const double usual_ms = made_.usual.add(ms, decision_->drawn_ms(), warm);
   // After a jump they are of elsewhere.
   const bool jumped = std::exchange(made_.jumped, false);
-  if (jumped) made_.first_seen = made_.followed = false;
+  if (jumped) made_.first_seen = made_.followed = false, made_.usual.forget();
+  const double usual_ms = made_.usual.add(ms, decision_->drawn_ms(), warm);
   if (!std::exchange(made_.followed, true)) follow_way(eye_, time, frames);
   const double part_ms =
       time_for_keyframes(ms, usual_ms, outlook_[kDirect].guess_ms, outlook_[kKeyframes].guess_ms);
