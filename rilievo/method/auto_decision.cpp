@@ -334,21 +334,24 @@ AutoChoice AutoDecision::next(std::span<const AutoOutlook> outlook, bool jumped,
       if (to >= 0) change(to), reason_ = AutoReason::leaves;
     }
     const bool settled = unsettled_ == 0 || unsettled_ > kUnsettled;
-    if (costs_[std::size_t(draws_)].frames >= AutoTrials::kFrames && settled) {
+    if (costs_[std::size_t(draws_)].frames >= AutoTrials::kFrames) {
       const int best = best_known(outlook);
       const double now = costs_[std::size_t(draws_)].mean_ms;
       const bool warm = !warms_up();
-      if (best != draws_ && (since_change_ > candidates_[std::size_t(draws_)].dwell ||
-                             (warm && now > kMuchMore * costs_[std::size_t(best)].mean_ms))) {
+      if (settled && best != draws_ &&
+          (since_change_ > candidates_[std::size_t(draws_)].dwell ||
+           (warm && now > kMuchMore * costs_[std::size_t(best)].mean_ms))) {
         change(best);
         reason_ = pace_ms_ > 0 && costs_[std::size_t(best)].mean_ms < kKeepsPace * pace_ms_
                       ? AutoReason::best
                       : AutoReason::cheapest;
       } else if (warm) {
         const bool slow = last_ms_ > AutoTrials::kMuch * now;
-        const int tries = disturbed || slow ? -1 : worth_trying(outlook, true);
+        int tries = disturbed || slow ? -1 : worth_trying(outlook, true);
+        if (!settled && tries >= 0 && !less_than_calm(tries, outlook)) tries = -1;
+        if (settled) prepares_ = worth_trying(outlook, false);
         // What is prepared would disturb the trial.
-        prepares_ = tries >= 0 ? -1 : worth_trying(outlook, false);
+        if (tries >= 0) prepares_ = -1;
         tried_in_warm_up_ = false;
         if (tries >= 0)
           trials_.begin(tries, candidates_[std::size_t(tries)].warm_up,
@@ -378,6 +381,14 @@ AutoChoice AutoDecision::next(std::span<const AutoOutlook> outlook, bool jumped,
     choice.rival = i, choice.rival_ms = ms;
   }
   return choice;
+}
+
+// Does it take less than what draws did at its best? Then it is tried, whatever makes that slow.
+bool AutoDecision::less_than_calm(int i, std::span<const AutoOutlook> outlook) const {
+  const Cost& cost = costs_[std::size_t(draws_)];
+  const double guess_ms = outlook[std::size_t(draws_)].guess_ms;
+  const double calm_ms = cost.calm * (cost.calm_of_guess ? guess_ms : 1);
+  return better(plausible(i, outlook[std::size_t(i)]), i, calm_ms, draws_);
 }
 
 // What draws took that, over what its model says if it has one.
