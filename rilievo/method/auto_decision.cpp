@@ -44,6 +44,9 @@ constexpr int kLeastForMedian = 3;
 constexpr int kUnsettled = 12;
 // The share of a frame in what a method took at its best, where it takes more.
 constexpr double kNewestCalm = 0.02;
+// Frames in a row of at most this share of the mean are not by chance.
+constexpr double kNotByChance = 0.87;
+constexpr int kLessInARow = 3;
 // What contradicts what is plausible, and was measured in fewer frames than these, is not believed
 // for ever.
 constexpr double kContradicts = AutoTrials::kContradicts;
@@ -261,7 +264,7 @@ void AutoDecision::change(int to) {
   draws_ = to;
   costs_[std::size_t(to)].recent.forget();
   since_change_ = 0;
-  unsettled_ = 0, last_ms_ = 0, trials_.forget_failed();
+  unsettled_ = less_ = 0, last_ms_ = 0, trials_.forget_failed();
   ++recent_changes_;
 }
 
@@ -409,6 +412,17 @@ void AutoDecision::note_calm(Cost& cost) {
   unsettled_ = now > AutoTrials::kMuch * cost.calm ? unsettled_ + 1 : 0;
 }
 
+// Frames that take far less than the mean, so many in a row, are what the method takes from now on:
+// what slow frames have left in the mean would take a dozen more to be forgotten, in which a method
+// that is no faster seems to be.
+void AutoDecision::note_less(Cost& cost, double ms) {
+  less_ = ms < kNotByChance * cost.mean_ms ? less_ + 1 : 0;
+  less_ms_ = less_ == 1 ? ms : less_ms_ + ms;
+  if (less_ < kLessInARow) return;
+  cost.mean_ms = less_ms_ / less_;
+  less_ = 0;
+}
+
 // After a trial that failed: if what draws takes much more, too, something else took the time, and
 // nothing was found.
 void AutoDecision::doubt_failed(double ms) {
@@ -449,6 +463,7 @@ void AutoDecision::add(double ms, bool disturbed) {
   if (!warms_up && cost.recent.count() >= kLeastForMedian)
     ms = std::min(ms, AutoTrials::kMuch * cost.recent.median());
   cost.mean_ms += (ms - cost.mean_ms) * newest;
+  note_less(cost, ms);
   if (cost.frames > kLast && !disturbed && guess_ms > 0 && cost.guess_ms > 0)
     slow_ *= cost.mean_ms / before_ms * cost.guess_ms / guess_ms;
   cost.age = 0;

@@ -149,6 +149,7 @@ class AutoDecision {
   [[nodiscard]] bool less_than_calm(int i, std::span<const AutoOutlook> outlook) const;
   [[nodiscard]] double over_guess(double ms) const;
   void note_calm(Cost& cost);
+  void note_less(Cost& cost, double ms);
   void doubt_failed(double ms);
 
   std::vector<AutoCandidate> candidates_;
@@ -165,6 +166,8 @@ class AutoDecision {
   bool tried_in_warm_up_ = false;  // the last trial began while what draws warmed up
   Cost before_failed_;             // of what trials_ doubts, before its trial
   int unsettled_ = 0;              // frames for which what draws has taken much more than it did
+  int less_ = 0;                   // frames in a row of what draws that took far less than the mean
+  double less_ms_ = 0;             // all of those
   double last_ms_ = 0;             // of what draws
   std::vector<double> guesses_;    // of this frame
 };

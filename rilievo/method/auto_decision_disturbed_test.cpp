@@ -102,6 +102,28 @@ TEST(AutoDecisionDisturbed, what_takes_little_less_is_tried_again_after_frames_t
   expect_cheapest_is_tried_again({{60, 65, 50}, {60, 65, 54}}, 2.5);
 }
 
+// As in teapot: after nine slow frames of levels the mean was still above what polygons take when
+// levels took what they did before, and polygons drew the 160 frames until the next trial.
+TEST(AutoDecisionDisturbed, what_draws_is_not_left_for_what_slow_frames_have_left_in_its_mean) {
+  int walks = 0, left = 0;
+  for (const double levels : {50.0, 48.0, 40.0})
+    for (int from = 150; from < 240; from += 2)
+      for (const int lasts : {4, 9, 20})
+        for (const double much : {1.7, 2.5, 5.0}) {
+          const auto slower = [&](int frame, int, int) {
+            return frame >= from && frame < from + lasts ? much : 1.0;
+          };
+          const auto drawn = [&](int frames) {
+            return walk(three_methods(60, 65, levels), 0, frames, 0.05, 7, 0, {}, slower).drawn[2];
+          };
+          // All but the slow frames, and a trial and as many frames again until it ends.
+          left += drawn(from + 240) - drawn(from) < 180;
+          ++walks;
+        }
+  // Some meet a trial of another method that began just before.
+  EXPECT_LE(left, walks / 100);
+}
+
 // Each trial of it is two frames, and all of them may take a few hundredths of the time.
 TEST(AutoDecisionDisturbed, a_method_whose_first_frames_were_slow_is_tried_again) {
   for (const std::vector<double>& costs : kCheapest)
