@@ -143,8 +143,8 @@ void AutoFrames::look(const Camera& camera) {
   for (int method = 0; method < kMethods; ++method) {
     double& off = off_[method];
     // What one frame took beside the others is believed less and less, until it is tried.
-    if (off > 1 && frames_[method] && decision_->mean_ms(method) == 0)
-      off += (1 - off) * kForgotten;
+    const bool counted = method == kDirect && direct_frames_ > 0;
+    if (frames_[method] && decision_->mean_ms(method) == 0) off = remembered_off(off, counted);
     outlook_[std::size_t(method)].guess_ms *= off;
   }
   // What is being prepared goes on, whatever the frames take meanwhile.

@@ -11,6 +11,9 @@ constexpr double kDirectPixelMs = 18e-6, kDirectTriangleMs = 11e-6;
 constexpr double kRaysPixelMs = 180e-6, kMaskedTimes = 4, kKeyframesPixelMs = 13e-6,
                  kKeyframesSkyMs = 8e-6;
 
+// The share of a frame in what is forgotten of how far off a model is.
+constexpr double kForgottenOfLook = 0.005, kForgottenOfCounted = 0.001;
+
 }  // namespace
 
 double FrameLoad::by_threads(double ms) const { return ms * kThreads / threads; }
@@ -27,6 +30,10 @@ double FrameLoad::rays_ms() const {
 double FrameLoad::keyframes_ms() const {
   const double things = std::min(covered, pixels);
   return by_threads(kKeyframesPixelMs * things + kKeyframesSkyMs * (pixels - things));
+}
+
+double remembered_off(double off, bool counted) {
+  return off + std::min(1 - off, 0.0) * (counted ? kForgottenOfCounted : kForgottenOfLook);
 }
 
 }  // namespace rilievo

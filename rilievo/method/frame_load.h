@@ -30,4 +30,9 @@ struct FrameLoad {
   static constexpr double kKeyframesOfDirect = 0.13;
 };
 
+// `off` times as much as its model says a method was found to take, and has not drawn since: after
+// one more frame. What one frame took beside the others may be other programs' work; what was
+// `counted` is no one's, but of the place where the eye was.
+[[nodiscard]] double remembered_off(double off, bool counted);
+
 }  // namespace rilievo
