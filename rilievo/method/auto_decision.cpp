@@ -50,6 +50,8 @@ constexpr int kLessInARow = 3;
 // What contradicts what is plausible, and was measured in fewer frames than these, is not believed
 // for ever.
 constexpr double kContradicts = AutoTrials::kContradicts;
+// The same of a model that is too rough to say what changes.
+constexpr double kContradictsPrior = 1.5;
 constexpr int kSure = 60;
 // A trial that was disturbed is repeated after so many frames, so many times at most.
 constexpr int kRepeat = 20, kMostRepeats = 2;
@@ -122,12 +124,14 @@ double AutoDecision::plausible(int i, const AutoOutlook& outlook) const {
   const Cost& cost = costs_[std::size_t(i)];
   const double ms = expected(i, outlook);
   if (i == draws_ || cost.mean_ms == 0) return ms;
-  const double model = outlook.guess_ms > 0 ? outlook.guess_ms : outlook.prior_ms;
   double least = ms;
   if (cost.calm > 0 && cost.calm_of_guess == (outlook.guess_ms > 0))
     least = std::min(least, cost.calm * (cost.calm_of_guess ? outlook.guess_ms : 1));
-  if (cost.measured < kSure && model > 0) least = std::min(least, model);
-  return kContradicts * least < ms ? least : ms;
+  if (cost.measured >= kSure) return kContradicts * least < ms ? least : ms;
+  if (outlook.guess_ms > 0) least = std::min(least, outlook.guess_ms);
+  if (kContradicts * least < ms) return least;
+  const double prior_ms = outlook.guess_ms > 0 ? 0 : outlook.prior_ms;
+  return prior_ms > 0 && kContradictsPrior * prior_ms < ms ? prior_ms : ms;
 }
 
 // What it takes if it takes little.
