@@ -52,7 +52,7 @@ struct MethodOptions {
   double angle_degrees = 0.7;  // flat, nailboard
   int memory_mb = 256;
   double error_px = 1;               // cache, lod
-  double gap_px = 0;                 // cache; 0: twice error_px
+  double gap_px = 0;                 // cache, keyframes; 0: twice error_px, or 4
   bool levels = false;               // cache, without OpenGL: levels of detail
   double capture_ms = 0;             // cache; 0: a budget by triangles
   double late = SpikePolicy{}.late;  // cache, with capture_ms

@@ -86,6 +86,7 @@ Result<Method> make_keyframes(const MethodOptions& options, Backend& backend) {
   KeyframeFramesOptions keyframes;
   keyframes.by = options.source == "rays" ? KeyframesBy::rays : KeyframesBy::raster;
   keyframes.samples = backend.samples();
+  if (options.gap_px > 0) keyframes.gap_px = options.gap_px;
   keyframes.keyframes.samples = options.keyframe_samples;
   keyframes.keyframes.keyframe_ms = options.keyframe_ms;
   KeyframeFrames::MakeSource make;

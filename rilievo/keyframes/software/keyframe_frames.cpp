@@ -112,7 +112,7 @@ KeyframeFrames::State::State(const Scene& scene, RayScene made_rays,
       moves(scene.objects.size()),
       polygon(scene.objects.size()),
       unshown(placed, rays, options.near.triangles),
-      torn(rays),
+      torn(rays, options.gap_px),
       sky(scene.sky),
       keyframe_tiles(rays, sky) {}
 

@@ -38,6 +38,9 @@ struct KeyframeFramesOptions {
   // Up to so many holes get all samples of a pixel. Of more each gets one, which later frames show
   // again (hole_points.h).
   std::size_t most_fine = 12000;
+  // Strips that both keyframes hide are looked for where they may be wider, in pixels
+  // (torn_blocks.h).
+  double gap_px = 4;
   NearObjectsOptions near;  // what is drawn as polygons because it is near; by the rasteriser only
   // With a limit of time, are whole frames polygons where these take less?
   bool polygons_where_cheaper = true;

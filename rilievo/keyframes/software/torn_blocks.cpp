@@ -10,8 +10,6 @@
 namespace rilievo {
 namespace {
 
-// An edge that moves by less, in pixels, hides little.
-constexpr double kLeastGap = 4;
 // A surface whose depth is within this share is shown; and at most so many pixels from where the
 // ray meets it.
 constexpr float kShown = 2 * kSameSurfaceDepth;
@@ -91,7 +89,7 @@ void TornBlocks::find_edges(const Camera& frame, double way, const WarpedFrame& 
   edges_.clear();
   const double pixels = frame.width / (frame.window.right - frame.window.left) * way;
   if (!(pixels > 0)) return;
-  const auto least = float(kLeastGap / pixels);
+  const auto least = float(least_gap_ / pixels);
   // Every other row tells as much.
   parallel_for(0, down_, [&](int by) {
     const int y1 = std::min((by + 1) * kSide, frame.height);

@@ -34,9 +34,14 @@ class TornBlocks {
   // comes later, and has more still.
   static constexpr double kMostTorn = 0.01;
 
-  // `rays` must outlive the object.
-  explicit TornBlocks(const RayScene& rays, double most_torn = kMostTorn)
-      : rays_(rays), most_torn_(most_torn) {}
+  // Edges that move by less, in pixels, hide strips that few see.
+  static constexpr double kLeastGap = 4;
+
+  // `rays` must outlive the object. Beside edges that move by `least_gap` pixels or less nothing is
+  // looked for.
+  explicit TornBlocks(const RayScene& rays, double least_gap = kLeastGap,
+                      double most_torn = kMostTorn)
+      : rays_(rays), least_gap_(least_gap), most_torn_(most_torn) {}
 
   // Looks at a frame, and makes holes; returns how many. `objects`, ascending: those that keyframes
   // show; nothing else is looked for.
@@ -57,7 +62,7 @@ class TornBlocks {
   std::size_t tear(std::uint32_t block, float inverse_z, WarpedFrame& warped) const;
 
   const RayScene& rays_;
-  double most_torn_;
+  double least_gap_, most_torn_;
   Camera frame_;
   int across_ = 0, down_ = 0;
   std::uint64_t frames_ = 0;

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <glm/gtc/matrix_transform.hpp>
 #include <numeric>
 
@@ -90,7 +91,7 @@ TEST(TornBlocks, are_those_that_show_what_is_behind_a_part_that_no_keyframe_sees
 
     WarpedFrame plain, torn;
     warp_keyframes(warped_keys, frame, plain);
-    TornBlocks blocks(*rays, 1);
+    TornBlocks blocks(*rays, TornBlocks::kLeastGap, 1);
     std::size_t made = 0;
     for (int i = 0; i < 40; ++i) {
       warp_keyframes(warped_keys, frame, torn);
@@ -116,6 +117,35 @@ TEST(TornBlocks, are_those_that_show_what_is_behind_a_part_that_no_keyframe_sees
   EXPECT_GT(before, 2000);
   EXPECT_LT(after, before / 7);
   EXPECT_EQ(in_vain, 0) << holes;
+}
+
+TEST(TornBlocks, are_looked_for_where_gaps_may_be_wider_than_is_allowed) {
+  Random random(5);
+  const Scene scene = posts_and_parts(random);
+  const Result<RayScene> rays = RayScene::create(scene);
+  ASSERT_TRUE(rays.ok());
+  RaySource source(*rays);
+  const Keyframe keys[] = {keyframe_at(source, {-0.7, 0, 0}), keyframe_at(source, {0.7, 0, 0})};
+  const WarpedKeyframe warped_keys[] = {{&keys[0]}, {&keys[1]}};
+  const Camera frame = eye_at({0.1, 0, 0});
+  std::vector<std::uint32_t> objects(scene.objects.size());
+  std::iota(objects.begin(), objects.end(), 0);
+  const auto holes_with = [&](double least_gap) {
+    TornBlocks blocks(*rays, least_gap, 1);
+    std::size_t most = 0;
+    for (int i = 0; i < 40; ++i) {
+      WarpedFrame warped;
+      warp_keyframes(warped_keys, frame, warped);
+      most = std::max(most, blocks.look(frame, warped_keys, objects, warped));
+    }
+    return most;
+  };
+  // The posts' faces are the nearest of all, and move by this much against what is infinitely far.
+  const double widest = kAcross / (frame.window.right - frame.window.left) * 0.6 / 1.95;
+  EXPECT_EQ(holes_with(widest), 0u);
+  const std::size_t wide = holes_with(widest / 2), narrow = holes_with(TornBlocks::kLeastGap);
+  EXPECT_GT(narrow, wide);
+  EXPECT_GT(narrow, 100u);
 }
 
 // Silhouettes lie a little beside their place there, and nothing is hidden.
