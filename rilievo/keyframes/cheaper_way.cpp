@@ -28,6 +28,7 @@ void CheaperWay::stay_longer_by_polygons() {
 void CheaperWay::add_polygons(double ms, double guess_ms) {
   polygons_ms_.add(ms);
   guessed_ms_ = guess_ms;
+  if (!drawn_as_source_ && guess_ms > 0) of_guess_ = polygons_ms_.median() / guess_ms;
 }
 
 void CheaperWay::add(double ms, double guess_ms, bool ready) {
@@ -62,14 +63,14 @@ void CheaperWay::add(double ms, double guess_ms, bool ready) {
     }
   }
   ++since_try_;
-  trying_ =
-      since_try_ >= kFramesToTry && guess_ms > 0 && guess_ms < kMayTry * keyframes_ms_.median();
+  trying_ = since_try_ >= kFramesToTry && guess_ms > 0 &&
+            of_guess_ * guess_ms < kMayTry * keyframes_ms_.median();
 }
 
 bool CheaperWay::leave_keyframes(double guess_ms) {
   const double usual_ms = keyframes_ms_.median();
   // What was measured some time ago has become dearer as its guess has.
-  double ms = guess_ms;
+  double ms = of_guess_ * guess_ms;
   if (polygons_ms_.count() > 0)
     ms = polygons_ms_.median() * (guessed_ms_ > 0 && guess_ms > 0 ? guess_ms / guessed_ms_ : 1);
   if (looks_ && !dearer_) {

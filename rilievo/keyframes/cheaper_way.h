@@ -38,6 +38,15 @@ class CheaperWay {
   // Frames of keyframes that say whether they were right to return to.
   static constexpr int kLook = 9;
 
+  // What polygons take of the guess until they were measured, where another drawer draws them than
+  // the source of keyframes: one that is worth a frame to be tried.
+  static constexpr double kUnknownDrawer = 0.25;
+
+  // `drawn_as_source`: the guesses are of what draws polygons. Else they say how much dearer
+  // polygons become, and what they took says how dear they are.
+  explicit CheaperWay(bool drawn_as_source = true)
+      : drawn_as_source_(drawn_as_source), of_guess_(drawn_as_source ? 1 : kUnknownDrawer) {}
+
   // What the next frame consists of.
   enum class Way {
     keyframes,
@@ -61,6 +70,8 @@ class CheaperWay {
   void go_by_polygons();
   void stay_longer_by_polygons();
 
+  bool drawn_as_source_;
+  double of_guess_;  // polygons' time as a share of it
   bool polygons_ = false, trying_ = false, returning_ = false;
   bool looks_ = false;   // keyframes are drawn again, and may have to be left at once
   bool dearer_ = false;  // polygons, when keyframes began to be made again

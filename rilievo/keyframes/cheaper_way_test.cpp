@@ -10,6 +10,7 @@ namespace {
 // Frames of a walk: what each way takes at each of them, and how many were drawn by polygons.
 struct WayWalk {
   CheaperWay way;
+  double guess = 1.2;  // of what polygons take
   int polygons = 0, changes = 0, since_both = 0;
 
   // `slower`: how many times as long frame i takes, which is drawn by polygons or not.
@@ -24,7 +25,7 @@ struct WayWalk {
       last_ = by_polygons;
       since_both = now == CheaperWay::Way::both ? since_both + 1 : 0;
       const double times = slower(i, by_polygons);
-      way.add(times * (by_polygons ? polygons_ms : keyframes_ms), 1.2 * polygons_ms,
+      way.add(times * (by_polygons ? polygons_ms : keyframes_ms), guess * polygons_ms,
               since_both > 20);
     }
   }
@@ -37,6 +38,23 @@ TEST(CheaperWay, KeyframesStayWherePolygonsCostTwice) {
   WayWalk walk;
   walk.go(600, 20, 40);
   EXPECT_EQ(walk.polygons, 0);
+}
+
+// A GPU draws polygons in a tenth of what the guess says, and Mesa on processors takes ten times as
+// long.
+TEST(CheaperWay, AnotherDrawersPolygonsAreTriedOnceAndKnownFromThenOn) {
+  for (const double guess : {0.1, 0.5, 3.0, 10.0}) {
+    WayWalk cheap, dear;
+    cheap.way = dear.way = CheaperWay(false);
+    cheap.guess = dear.guess = guess;
+    cheap.go(600, 20, 10);
+    // A guess that is four times as dear as keyframes says nothing yet.
+    if (CheaperWay::kUnknownDrawer * guess * 10 < CheaperWay::kMayTry * 20) {
+      EXPECT_GT(cheap.polygons, 480) << guess;
+    }
+    dear.go(600, 20, 200);
+    EXPECT_LE(dear.polygons, 1) << guess;
+  }
 }
 
 // Keyframes are looked at again after 120 frames and 240 more, for nine frames each.

@@ -52,6 +52,8 @@ class KeyframePainter {
 
   // Waits until the frame is drawn, so that its time can be taken.
   virtual void finish() {}
+  // Do polygons take about what the rasteriser takes as a source of keyframes?
+  [[nodiscard]] virtual bool draws_as_source() const { return true; }
   // Takes memory that frames with polygons need, for a frame that was begun. `polygons`: any.
   virtual void take_memory(std::span<const std::uint32_t> polygons) = 0;
   // The share of the last frame's pixels that show polygons in front of what was warped.

@@ -57,7 +57,7 @@ Result<std::unique_ptr<FrameSource>> OpenGLBackend::make_frames(
 }
 
 Result<std::unique_ptr<KeyframePainter>> OpenGLBackend::make_keyframe_painter() {
-  return OpenGLPainter::create(*renderer_);
+  return OpenGLPainter::create(*renderer_, samples_);
 }
 
 Result<std::unique_ptr<BackendTarget>> OpenGLBackend::make_target(int width, int height) const {

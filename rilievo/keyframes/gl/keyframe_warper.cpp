@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "rilievo/core/parallel_for.h"
+#include "rilievo/keyframes/gl/unfiltered_texture.h"
 #include "rilievo/keyframes/gl/warp_shaders.h"
 
 namespace rilievo {
@@ -21,14 +22,6 @@ struct SourceWords {
 };
 static_assert(sizeof(SourceWords) == (6 * 4 + 8) * sizeof(std::uint32_t));
 static_assert(sizeof(FilledHole) == 4 * sizeof(std::uint32_t));
-
-gl::Texture make_unfiltered(GLenum format, int width, int height) {
-  gl::Texture texture = gl::make_texture_2d(format, width, height);
-  // Integers cannot be read with filters.
-  for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
-    glTextureParameteri(texture, filter, GL_NEAREST);
-  return texture;
-}
 
 template <class T>
 void fit(Image<T>& image, int width, int height) {
@@ -116,9 +109,13 @@ Result<> KeyframeWarper::warp(std::span<const WarpedKeyframe> keyframes, const C
   upload_sources(frame, leaves_sky);
   glClearNamedBufferData(depths_, GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT, nullptr);
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, shader::kDepthBlock, depths_);
-  for (std::size_t k = 0; k < std::size_t(shader::kMostWarped); ++k)
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, GLuint(shader::kKeyframeBlock + k),
-                     stored_.buffers()[std::min(k, sources_.size() - 1)]);
+  // Units of no keyframe have one, too: what is declared must be there.
+  for (std::size_t k = 0; k < std::size_t(shader::kMostWarped); ++k) {
+    const KeyframeTextures& of = stored_.textures()[std::min(k, sources_.size() - 1)];
+    glBindTextureUnit(GLuint(shader::kColorUnit + k), of.color);
+    glBindTextureUnit(GLuint(shader::kDepthUnit + k), of.inverse_z);
+  }
+  glBindTextureUnit(shader::kCoverUnit, cover ? cover->window_z : 0);
 
   const auto same = cover ? std::nullopt : find_same_pixels(sources_, frame);
   if (!same) {
@@ -131,7 +128,8 @@ Result<> KeyframeWarper::warp(std::span<const WarpedKeyframe> keyframes, const C
       glDispatchCompute(GLuint((camera.width + shader::kSplatGroup - 1) / shader::kSplatGroup),
                         GLuint(camera.height), 1);
     }
-    glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+    // The next frame clears it.
+    glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
   }
 
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, framebuffer_);
@@ -149,7 +147,7 @@ Result<> KeyframeWarper::warp(std::span<const WarpedKeyframe> keyframes, const C
   glUniform1i(4, cover != nullptr);
   glUniform2f(5, float(frame.z_near), float(frame.z_far));
   glUniform1f(6, cover ? cover->nearest : 0);
-  glBindTextureUnit(0, cover ? cover->window_z : GLuint(inverse_z_));
+  glUniform1i(7, cover ? cover->samples : 0);
   glBindVertexArray(no_vertices_);
   glDrawArrays(GL_TRIANGLES, 0, 3);
   read_back(out);
@@ -161,7 +159,6 @@ void KeyframeWarper::read_back(WarpedFrame& out) const {
   fit(out.inverse_z, width_, height_);
   fit(out.holes_in_strip, strips_of(height_), 1);
   glPixelStorei(GL_PACK_ALIGNMENT, 4);
-  glMemoryBarrier(GL_TEXTURE_UPDATE_BARRIER_BIT);
   glGetTextureImage(color_, 0, GL_RED_INTEGER, GL_UNSIGNED_INT,
                     GLsizei(out.color.texels().size_bytes()), out.color.texels().data());
   glGetTextureImage(inverse_z_, 0, GL_RED, GL_FLOAT, GLsizei(out.inverse_z.texels().size_bytes()),
@@ -182,6 +179,7 @@ void KeyframeWarper::fill(std::span<const FilledHole> holes) {
   glViewport(0, 0, width_, height_);
   glDisable(GL_SCISSOR_TEST);
   glDisable(GL_DEPTH_TEST);
+  glDisable(GL_CULL_FACE);
   glDisable(GL_BLEND);
   glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
   glUseProgram(fill_);
@@ -191,9 +189,10 @@ void KeyframeWarper::fill(std::span<const FilledHole> holes) {
 }
 
 void KeyframeWarper::draw_over(const Camera& frame, const gl::Program& program, GLuint contents,
-                               GLuint depths) {
+                               GLuint depths, bool sky) {
   glUseProgram(program);
   glUniform2f(0, float(frame.z_near), float(frame.z_far));
+  glUniform1i(1, sky);
   glBindTextureUnit(0, contents);
   glBindTextureUnit(1, depths);
   glBindVertexArray(no_vertices_);
@@ -205,7 +204,13 @@ void KeyframeWarper::draw_over(const Camera& frame, const gl::Program& program, 
   glDrawArrays(GL_TRIANGLES, 0, 3);
 }
 
-void KeyframeWarper::show(const Camera& frame) { draw_over(frame, show_, color_, inverse_z_); }
+void KeyframeWarper::show(const Camera& frame) {
+  draw_over(frame, show_, color_, inverse_z_, false);
+}
+
+void KeyframeWarper::show_sky(const Camera& frame) {
+  draw_over(frame, show_, color_, inverse_z_, true);
+}
 
 void KeyframeWarper::show_objects(const Camera& frame, const Image<std::uint32_t>& objects,
                                   const Image<float>& inverse_z) {
@@ -218,7 +223,7 @@ void KeyframeWarper::show_objects(const Camera& frame, const Image<std::uint32_t
                       objects.texels().data());
   glTextureSubImage2D(object_depths_, 0, 0, 0, width_, height_, GL_RED, GL_FLOAT,
                       inverse_z.texels().data());
-  draw_over(frame, show_objects_, objects_, object_depths_);
+  draw_over(frame, show_objects_, objects_, object_depths_, false);
 }
 
 }  // namespace rilievo

@@ -23,8 +23,9 @@ namespace rilievo {
 
 // What will be drawn over a warped frame, as OpenGL drew it.
 struct WarpCoverTexture {
-  GLuint window_z = 0;  // of the frame's size
-  float nearest = 0;    // as WarpCover's
+  GLuint window_z = 0;  // multisampled, of the frame's size
+  int samples = 1;
+  float nearest = 0;  // as WarpCover's
 };
 
 // Warps frames, and shows them.
@@ -33,28 +34,33 @@ class KeyframeWarper {
   // Compiles the shaders.
   [[nodiscard]] static Result<KeyframeWarper> create();
 
-  // As warp_keyframes(). What covers part of a pixel does not count as its cover; a pixel counts as
-  // covered as far as those around it are. Of more than four keyframes the last spare ones are left
-  // out. Reads the frame back into `out`. Fails where the driver does.
+  // As warp_keyframes(). Of more than three keyframes the last spare ones are left out. Reads the
+  // frame back into `out`. Fails where the driver does.
   Result<> warp(std::span<const WarpedKeyframe> keyframes, const Camera& frame,
                 const WarpCoverTexture* cover, bool leaves_sky, WarpedFrame& out);
 
   // Of the last frame: what its holes show.
   void fill(std::span<const FilledHole> holes);
-  // Draws it into the bound framebuffer, with its depth: what it shows, and none of its holes.
+  // Draws it into the bound framebuffer, with its depth: the surfaces that it shows.
   void show(const Camera& frame);
+  // Draws its sky, where nothing lies before it, over another one: that of keyframes whose source
+  // has one of its own.
+  void show_sky(const Camera& frame);
   // Draws identifiers with their depth, 1 / eye_z, of a frame whose first row is at the top.
   void show_objects(const Camera& frame, const Image<std::uint32_t>& objects,
                     const Image<float>& inverse_z);
+
+  // Makes the textures of frames of this size. Fails where the driver does.
+  Result<> resize(int width, int height);
 
   // How many bytes of keyframes the last frame copied to the GPU.
   [[nodiscard]] std::size_t uploaded() const { return stored_.uploaded(); }
 
  private:
-  Result<> resize(int width, int height);
   void upload_sources(const Camera& frame, bool leaves_sky);
   void read_back(WarpedFrame& out) const;
-  void draw_over(const Camera& frame, const gl::Program& program, GLuint contents, GLuint depths);
+  void draw_over(const Camera& frame, const gl::Program& program, GLuint contents, GLuint depths,
+                 bool sky);
 
   gl::Program splat_, lookup_, fill_, show_, show_objects_;
   gl::VertexArray no_vertices_;

@@ -1,24 +1,28 @@
 #include "rilievo/keyframes/gl/opengl_painter.h"
 
 #include <algorithm>
+#include <atomic>
 #include <utility>
 
+#include "rilievo/core/parallel_for.h"
 #include "rilievo/gl/context.h"
 #include "rilievo/gl/state_guard.h"
 #include "rilievo/keyframes/software/keyframe_tiles.h"
 
 namespace rilievo {
 
-Result<std::unique_ptr<KeyframePainter>> OpenGLPainter::create(SceneRenderer& renderer) {
+Result<std::unique_ptr<KeyframePainter>> OpenGLPainter::create(SceneRenderer& renderer,
+                                                               int samples) {
   Result<KeyframeWarper> warper = KeyframeWarper::create();
   if (!warper) return warper.error();
-  return {std::unique_ptr<KeyframePainter>(new OpenGLPainter(renderer, std::move(*warper)))};
+  return {
+      std::unique_ptr<KeyframePainter>(new OpenGLPainter(renderer, samples, std::move(*warper)))};
 }
 
 void OpenGLPainter::begin(const Camera& camera, const PlacedScene& /*placed*/, double time) {
   camera_ = camera;
+  time_ = time;
   live_ = {};
-  renderer_.set_time(time);
 }
 
 Result<> OpenGLPainter::place(std::span<const std::uint32_t> polygons) {
@@ -30,7 +34,7 @@ Result<> OpenGLPainter::make_cover() {
   if (cover_ && cover_->width() == camera_.width && cover_->height() == camera_.height)
     return Done{};
   cover_.reset();
-  Result<ProbeTarget> made = ProbeTarget::create(camera_.width, camera_.height);
+  Result<CoverTarget> made = CoverTarget::create(camera_.width, camera_.height, samples_);
   if (!made) return made.error();
   cover_.emplace(std::move(*made));
   return Done{};
@@ -42,9 +46,10 @@ Result<> OpenGLPainter::warp(std::span<const WarpedKeyframe> keyframes, float ne
   const gl::StateGuard guard;
   if (live_.empty()) return warper_.warp(keyframes, camera_, nullptr, leaves_sky, out);
   if (Result<> done = make_cover(); !done) return done;
+  renderer_.set_time(time_);
   cover_->begin();
   renderer_.draw_objects(camera_, live_);
-  const WarpCoverTexture cover{cover_->depth(), nearest};
+  const WarpCoverTexture cover{cover_->depth(), cover_->samples(), nearest};
   return warper_.warp(keyframes, camera_, &cover, leaves_sky, out);
 }
 
@@ -54,16 +59,19 @@ Result<> OpenGLPainter::draw(const KeyframeContent& content) {
     content.warped->read_holes(filled_);
     warper_.fill(filled_);
   }
+  renderer_.set_time(time_);
   guard.bind_frame();
   if (content.warped) warper_.show(camera_);
   renderer_.draw_opaque(camera_, live_, OutputEncoding::srgb);
   renderer_.draw_sky(camera_, OutputEncoding::srgb);
+  if (content.warped) warper_.show_sky(camera_);
   renderer_.draw_blended(camera_, content.blended, OutputEncoding::srgb);
   return Done{};
 }
 
 Result<> OpenGLPainter::draw_objects(KeyframeTiles* warped) {
   const gl::StateGuard guard;
+  renderer_.set_time(time_);
   guard.bind_frame();
   if (warped) {
     if (!objects_ || objects_->width() != camera_.width || objects_->height() != camera_.height)
@@ -79,14 +87,19 @@ Result<> OpenGLPainter::draw_objects(KeyframeTiles* warped) {
 void OpenGLPainter::finish() { gl::finish(); }
 
 void OpenGLPainter::take_memory(std::span<const std::uint32_t> polygons) {
-  // A frame that is too large for polygons may need none.
+  const gl::StateGuard guard;
+  // A frame that is too large fails when it is drawn.
+  (void)warper_.resize(camera_.width, camera_.height);
   if (!polygons.empty()) (void)make_cover();
 }
 
 double OpenGLPainter::polygon_share(const WarpedFrame& warped) const {
   if (live_.empty()) return 0;
-  const std::span<const std::uint32_t> colors = warped.color.texels();
-  return double(std::ranges::count(colors, kCoveredPixel)) / double(colors.size());
+  std::atomic<std::size_t> covered = 0;
+  parallel_for(0, warped.color.height(), [&](int y) {
+    covered += std::size_t(std::ranges::count(warped.color.row(y), kCoveredPixel));
+  });
+  return double(covered) / double(warped.color.texels().size());
 }
 
 }  // namespace rilievo

@@ -14,6 +14,7 @@
 #include "rilievo/gl/context_test_helpers.h"
 #include "rilievo/keyframes/software/keyframe_frames.h"
 #include "rilievo/method/method.h"
+#include "rilievo/render/opengl/frame_target.h"
 #include "rilievo/scene/builtin/builtin.h"
 #include "rilievo/scene/mesh_tools.h"
 
@@ -171,6 +172,93 @@ TEST_F(OpenGLWalkTest, WhatMovesAndWhatBlendsIsDrawnOverWhatIsWarped) {
       20);
   EXPECT_GT(seen.to_software, 40);
   EXPECT_GT(seen.to_direct, seen.software_to_direct - 0.2);
+}
+
+// By name, in targets of several sizes; and steady frames make no program.
+TEST_F(OpenGLPainterTest, FramesMayChangeTheirSize) {
+  const BuiltinScene made = *make_builtin("builtin:stonehenge?triangles=20000");
+  use(made.scene);
+  MethodOptions options;
+  const Method keyframes = std::move(*make_method("keyframes", options, *backend_)),
+               direct = std::move(*make_method("direct", {}, *backend_));
+  EXPECT_EQ(keyframes.frames->software_target(), nullptr);
+  std::size_t programs = 0;
+  for (const int size : {64, 150, 90, 150}) {
+    target_ = *backend_->make_target(2 * size, size);
+    for (int i = 0; i < 2; ++i) {
+      const double time = frame_time(made.path, i);
+      const Camera camera = camera_at(made.path, time, 2 * size, size);
+      const Drawn drawn = draw(*keyframes.frames, camera, time);
+      EXPECT_GT(psnr(drawn.color, draw(*direct.frames, camera, time).color), 25) << size;
+      if (programs == 0) programs = gl::programs_made();
+    }
+  }
+  EXPECT_EQ(gl::programs_made(), programs);
+}
+
+// Whatever another program has set, frames are the same, and it finds what it has set.
+TEST_F(OpenGLPainterTest, TheStateOfOpenGLIsLeftAsItWas) {
+  const BuiltinScene made = *make_builtin("builtin:teapots?triangles=20000");
+  use(made.scene);
+  KeyframeFramesOptions options;
+  options.keyframes.interval = 4;
+  const auto plain = by_opengl(options), disturbed = by_opengl(options);
+  Result<FrameTarget> target = FrameTarget::create(kWidth, kHeight, 4);
+  const auto draw_into = [&](FrameSource& source, int frame, bool disturbs) {
+    const double time = frame_time(made.path, frame);
+    target->begin();
+    const gl::Texture texture = gl::make_texture_2d(GL_RGBA8, 2, 2);
+    const gl::Buffer buffer = gl::make_buffer(64, nullptr);
+    if (disturbs) {
+      for (const GLenum capability :
+           {GL_BLEND, GL_CULL_FACE, GL_POLYGON_OFFSET_FILL, GL_SAMPLE_ALPHA_TO_COVERAGE})
+        glEnable(capability);
+      glDisable(GL_DEPTH_TEST);
+      glCullFace(GL_FRONT);
+      glDepthFunc(GL_GREATER);
+      glPolygonMode(GL_FRONT_AND_BACK, GL_LINE);
+      glPixelStorei(GL_UNPACK_ROW_LENGTH, 7);
+      glPixelStorei(GL_PACK_SKIP_ROWS, 3);
+      glBindTextureUnit(4, texture);
+      glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, buffer);
+      glBindBufferBase(GL_UNIFORM_BUFFER, 0, buffer);
+    }
+    EXPECT_TRUE(source.draw(camera_at(made.path, time, kWidth, kHeight), time).ok());
+    EXPECT_EQ(glGetError(), GLenum(GL_NO_ERROR));
+    if (disturbs) {
+      for (const GLenum capability :
+           {GL_BLEND, GL_CULL_FACE, GL_POLYGON_OFFSET_FILL, GL_SAMPLE_ALPHA_TO_COVERAGE}) {
+        EXPECT_TRUE(glIsEnabled(capability)) << capability;
+        glDisable(capability);
+      }
+      EXPECT_FALSE(glIsEnabled(GL_DEPTH_TEST));
+      const auto is = [](GLenum name, GLint expected) {
+        GLint values[4] = {};
+        glGetIntegerv(name, values);
+        EXPECT_EQ(values[0], expected) << name;
+      };
+      is(GL_CULL_FACE_MODE, GL_FRONT), is(GL_DEPTH_FUNC, GL_GREATER);
+      is(GL_POLYGON_MODE, GL_LINE);
+      is(GL_UNPACK_ROW_LENGTH, 7), is(GL_PACK_SKIP_ROWS, 3);
+      is(GL_DRAW_FRAMEBUFFER_BINDING, GLint(target->framebuffer()));
+      GLint bound = 0;
+      glActiveTexture(GL_TEXTURE4);
+      is(GL_TEXTURE_BINDING_2D, GLint(GLuint(texture)));
+      glActiveTexture(GL_TEXTURE0);
+      glGetIntegeri_v(GL_SHADER_STORAGE_BUFFER_BINDING, 1, &bound);
+      EXPECT_EQ(bound, GLint(GLuint(buffer)));
+      glGetIntegeri_v(GL_UNIFORM_BUFFER_BINDING, 0, &bound);
+      EXPECT_EQ(bound, GLint(GLuint(buffer)));
+      glCullFace(GL_BACK);
+      glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
+      glPixelStorei(GL_UNPACK_ROW_LENGTH, 0);
+      glPixelStorei(GL_PACK_SKIP_ROWS, 0);
+    }
+    target->resolve();
+    return target->read();
+  };
+  for (int i = 0; i < 6; ++i)
+    EXPECT_EQ(draw_into(*plain, i, false), draw_into(*disturbed, i, true)) << i;
 }
 
 }  // namespace

@@ -3,73 +3,94 @@
 #include <algorithm>
 #include <string>
 
+#include "rilievo/keyframes/gl/unfiltered_texture.h"
+
 namespace rilievo {
 namespace {
 
-std::size_t bytes_of(const Keyframe& keyframe) {
-  return keyframe.color.texels().size_bytes() + keyframe.inverse_z.texels().size_bytes();
-}
+// So many are kept before the memory of one that is not used any more is made larger: keyframes
+// grow and shrink as the eye begins to turn and ends it.
+constexpr std::size_t kKeptAtFirst = 4;
+
+int finer_of(const Keyframe& keyframe) { return keyframe.quarters() ? 2 : 1; }
 
 }  // namespace
 
+bool StoredKeyframes::Stored::holds(const Keyframe& keyframe) const {
+  return width >= keyframe.camera.width && height >= keyframe.camera.height &&
+         finer == finer_of(keyframe);
+}
+
 Result<> StoredKeyframes::store(std::span<const WarpSource> sources) {
   uploaded_ = 0;
-  bound_.clear();
+  textures_.clear();
   for (Stored& one : stored_) one.used = false;
-  // First those that are there, so that none of them makes room for another one.
   const auto find = [&](const Keyframe& keyframe) {
     return std::ranges::find_if(stored_, [&](const Stored& one) {
       return keyframe.number != 0 && one.number == keyframe.number;
     });
   };
+  // First those that are there, so that none of them makes room for another one.
   for (const WarpSource& source : sources)
     if (const auto at = find(*source.keyframe); at != stored_.end()) {
       at->used = true;
       if (at->hidden != source.keyframe->hidden) upload_depths(*source.keyframe, *at);
     }
   for (const WarpSource& source : sources) {
-    auto at = find(*source.keyframe);
-    if (at == stored_.end()) {
-      // As large a one as it needs, if there is one.
-      const std::size_t bytes = bytes_of(*source.keyframe);
-      at = std::ranges::find_if(stored_,
-                                [&](const Stored& one) { return !one.used && one.bytes == bytes; });
-      if (at == stored_.end()) at = std::ranges::find_if_not(stored_, &Stored::used);
-      if (at == stored_.end()) at = stored_.insert(at, Stored{});
-      at->used = true;
-      if (Result<> done = upload(*source.keyframe, *at); !done) return done;
-    }
-    bound_.push_back(at->words);
+    const auto at = find(*source.keyframe);
+    const bool there = at != stored_.end();
+    Stored& stored = there ? *at : room_for(*source.keyframe);
+    if (!there)
+      if (Result<> done = upload(*source.keyframe, stored); !done) return done;
+    stored.used = true;
+    textures_.push_back({stored.color, stored.inverse_z});
   }
   return Done{};
 }
 
+// Memory that suffices, if there is some.
+StoredKeyframes::Stored& StoredKeyframes::room_for(const Keyframe& keyframe) {
+  const auto suffices = std::ranges::find_if(
+      stored_, [&](const Stored& one) { return !one.used && one.holds(keyframe); });
+  if (suffices != stored_.end()) return *suffices;
+  const auto unused = std::ranges::find_if_not(stored_, &Stored::used);
+  if (unused != stored_.end() && stored_.size() >= kKeptAtFirst) return *unused;
+  return stored_.emplace_back();
+}
+
 Result<> StoredKeyframes::upload(const Keyframe& keyframe, Stored& stored) {
-  const std::size_t bytes = bytes_of(keyframe);
   stored.number = 0;
-  if (stored.bytes != bytes) {
-    GLint64 most = 0;
-    glGetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &most);
-    if (bytes > std::size_t(most))
-      return Error{"keyframe", std::to_string(bytes >> 20) + " MB are more than OpenGL takes (" +
-                                   std::to_string(most >> 20) + " MB)"};
-    stored.words = gl::Buffer();
-    stored.words = gl::make_buffer(bytes, nullptr, GL_DYNAMIC_STORAGE_BIT);
-    stored.bytes = bytes;
+  const int finer = finer_of(keyframe);
+  if (!stored.holds(keyframe)) {
+    const int width = std::max(stored.width, keyframe.camera.width),
+              height = std::max(stored.height, keyframe.camera.height);
+    GLint most = 0;
+    glGetIntegerv(GL_MAX_TEXTURE_SIZE, &most);
+    if (finer * std::max(width, height) > most)
+      return Error{"keyframe", std::to_string(width) + " x " + std::to_string(height) +
+                                   " texels are more than OpenGL takes (" +
+                                   std::to_string(most / finer) + " a side)"};
+    stored.color = gl::Texture(), stored.inverse_z = gl::Texture();
+    stored.color = make_unfiltered(GL_R32UI, finer * width, finer * height);
+    stored.inverse_z = make_unfiltered(GL_R32F, width, height);
+    stored.width = width, stored.height = height, stored.finer = finer;
   }
-  const std::span<const std::uint32_t> colors = keyframe.color.texels();
-  glNamedBufferSubData(stored.words, 0, GLsizeiptr(colors.size_bytes()), colors.data());
-  uploaded_ += colors.size_bytes();
+  const Image<std::uint32_t>& color = keyframe.color;
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
+  glTextureSubImage2D(stored.color, 0, 0, 0, color.width(), color.height(), GL_RED_INTEGER,
+                      GL_UNSIGNED_INT, color.texels().data());
+  uploaded_ += color.texels().size_bytes();
   upload_depths(keyframe, stored);
   stored.number = keyframe.number;
   return Done{};
 }
 
 void StoredKeyframes::upload_depths(const Keyframe& keyframe, Stored& stored) {
-  const std::span<const float> depths = keyframe.inverse_z.texels();
-  glNamedBufferSubData(stored.words, GLintptr(keyframe.color.texels().size_bytes()),
-                       GLsizeiptr(depths.size_bytes()), depths.data());
-  uploaded_ += depths.size_bytes();
+  const Image<float>& depths = keyframe.inverse_z;
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
+  glTextureSubImage2D(stored.inverse_z, 0, 0, 0, depths.width(), depths.height(), GL_RED, GL_FLOAT,
+                      depths.texels().data());
+  uploaded_ += depths.texels().size_bytes();
   stored.hidden = keyframe.hidden;
 }
 

@@ -10,14 +10,20 @@
 
 namespace rilievo {
 
+// A keyframe's colours (R32UI) and 1 / eye_z (R32F), in the upper left of textures that may be
+// larger: texel (0, 0) is the first of the first row.
+struct KeyframeTextures {
+  GLuint color = 0, inverse_z = 0;
+};
+
 // Keeps the keyframes that were warped last. Needs a current OpenGL context.
 class StoredKeyframes {
  public:
   // Uploads those that are not there yet (Keyframe::number), and new depths of those of which other
-  // objects are hidden by now. Their words, the colours and behind them the depths, are in
-  // buffers() in the order of `sources`. Fails for more than the driver takes.
+  // objects are hidden by now. Fails for larger ones than the driver takes.
   Result<> store(std::span<const WarpSource> sources);
-  [[nodiscard]] std::span<const GLuint> buffers() const { return bound_; }
+  // Those of the last store(), in the order of its sources.
+  [[nodiscard]] std::span<const KeyframeTextures> textures() const { return textures_; }
   // How many bytes the last store() copied.
   [[nodiscard]] std::size_t uploaded() const { return uploaded_; }
 
@@ -25,15 +31,18 @@ class StoredKeyframes {
   struct Stored {
     std::uint64_t number = 0;  // 0: none
     std::vector<std::uint32_t> hidden;
-    gl::Buffer words;
-    std::size_t bytes = 0;
-    bool used = false;  // in this frame
+    gl::Texture color, inverse_z;
+    int width = 0, height = 0, finer = 1;  // of texels, and colours for each of their sides
+    bool used = false;                     // in this frame
+
+    [[nodiscard]] bool holds(const Keyframe& keyframe) const;
   };
+  [[nodiscard]] Stored& room_for(const Keyframe& keyframe);
   Result<> upload(const Keyframe& keyframe, Stored& stored);
   void upload_depths(const Keyframe& keyframe, Stored& stored);
 
   std::vector<Stored> stored_;
-  std::vector<GLuint> bound_;
+  std::vector<KeyframeTextures> textures_;
   std::size_t uploaded_ = 0;
 };
 

@@ -1,5 +1,7 @@
 #include "rilievo/keyframes/gl/warp_shaders.h"
 
+#include <charconv>
+#include <iterator>
 #include <string>
 
 #include "rilievo/keyframes/warp_sources.h"
@@ -7,8 +9,7 @@
 namespace rilievo::shader {
 namespace {
 
-// What all passes know of keyframes. Rows of a map are x, y, 1 and w. A keyframe's words: its
-// colours, and behind them its depths.
+// What all passes know of keyframes. Rows of a map are x, y, 1 and w.
 const char* const kKeyframes = R"(#version 450
 struct Source {
   vec4 to_x, to_y, to_z, from_x, from_y, from_z;
@@ -16,17 +17,12 @@ struct Source {
   int width, height, finer, spare, unused;
 };
 layout(std140, binding = SOURCE_BLOCK) uniform Sources { Source sources[MOST_WARPED]; };
-layout(std430, binding = KEYFRAME_BLOCK) restrict readonly buffer Keyframe {
-  uint words[];
-} keyframes[MOST_WARPED];
+layout(binding = COLOR_UNIT) uniform usampler2D colors[MOST_WARPED];
+layout(binding = DEPTH_UNIT) uniform sampler2D inverse_z[MOST_WARPED];  // negative: hidden
 float along(vec4 row, vec2 p, float w) {
   return (row.x * p.x + (row.y * p.y + row.z)) + row.w * w;
 }
-float depth_of(int k, ivec2 texel) {
-  int width = sources[k].width << sources[k].finer, height = sources[k].height << sources[k].finer;
-  return uintBitsToFloat(
-      keyframes[k].words[width * height + texel.y * sources[k].width + texel.x]);
-}
+float depth_of(int k, ivec2 texel) { return texelFetch(inverse_z[k], texel, 0).r; }
 )";
 
 // The nearest square stays, as by processors: numbers above 0 compare as their bits do. Rows -1 and
@@ -81,7 +77,8 @@ layout(location = 3) uniform bool leaves_sky;
 layout(location = 4) uniform bool any_cover;
 layout(location = 5) uniform vec2 planes;    // z_near, z_far
 layout(location = 6) uniform float nearest_thing;
-layout(binding = 0) uniform sampler2D cover;  // window_z, the last row first
+layout(location = 7) uniform int cover_samples;
+layout(binding = COVER_UNIT) uniform sampler2DMS cover;  // window_z, the last row first
 layout(location = 0) out uint out_color;
 layout(location = 1) out float out_inverse_z;
 
@@ -117,7 +114,7 @@ Found find(vec2 p, float w, bool mixes) {
     uvec3 sum = uvec3(0u);
     for (int i = 0; i < 4; ++i) {
       ivec2 quarter = at + ivec2(i & 1, i >> 1);
-      uint color = keyframes[k].words[quarter.y * columns + quarter.x];
+      uint color = texelFetch(colors[k], quarter, 0).r;
       float depth = depth_of(k, quarter >> source.finer);
       uint all = uint(((i & 1) == 0 ? left : right) * ((i >> 1) == 0 ? 1.0 - a.y : a.y));
       uint shows = color >> 30, same_beside = color >> 27 & 7u, nearer_beside = color >> 24 & 7u;
@@ -164,23 +161,19 @@ float splatted_at(int x, int y) {
   return x < 0 || x >= size.x ? 0.0 : uintBitsToFloat(depths[(y + 1) * size.x + x]);
 }
 
-// 1 / eye_z of the farthest around a pixel, so that all of it is covered; 0: not all is.
+// 1 / eye_z of the farthest of a pixel's samples; 0: one of them shows nothing.
 float cover_at(ivec2 pixel) {
   float farthest = 0.0;
-  for (int y = -1; y <= 1; ++y)
-    for (int x = -1; x <= 1; ++x) {
-      ivec2 at = clamp(pixel + ivec2(x, y), ivec2(0), size - 1);
-      farthest = max(farthest, texelFetch(cover, ivec2(at.x, size.y - 1 - at.y), 0).r);
-    }
+  for (int i = 0; i < cover_samples; ++i)
+    farthest = max(farthest, texelFetch(cover, ivec2(pixel.x, size.y - 1 - pixel.y), i).r);
   return farthest >= 1.0 ? 0.0 : (1.0 - farthest * (planes.y - planes.x) / planes.y) / planes.x;
 }
 
 void copy(ivec2 pixel) {
   ivec2 texel = pixel + same.yz;
-  int columns = 2 * sources[same.x].width;
   uvec3 sum = uvec3(2u);
   for (int i = 0; i < 4; ++i) {
-    uint color = keyframes[same.x].words[(2 * texel.y + (i >> 1)) * columns + 2 * texel.x + (i & 1)];
+    uint color = texelFetch(colors[same.x], 2 * texel + ivec2(i & 1, i >> 1), 0).r;
     sum += uvec3(color & 255u, color >> 8 & 255u, color >> 16 & 255u);
   }
   sum >>= 2;
@@ -253,7 +246,7 @@ void main() {
   v_color = hole.z;
   v_inverse_z = uintBitsToFloat(hole.w);
   int corner = gl_VertexID % 3;
-  vec2 around = vec2(float(corner) - 1.0, corner == 1 ? 1.0 : -1.0) * 0.4;
+  vec2 around = vec2(1.0 - float(corner), corner == 1 ? 1.0 : -1.0) * 0.4;
   gl_Position = vec4(2.0 * (vec2(hole.xy) + 0.5 + around) / vec2(size) - 1.0, 0.0, 1.0);
 }
 )";
@@ -277,11 +270,12 @@ void main() {
 }
 )";
 
-// What is not warped is left to polygons, and to the sky that is drawn later. FARTHEST lies before
-// that.
+// What is not warped is left to polygons, and to the sky. The sky of keyframes lies on the far
+// plane: it is drawn by itself, over the scene's, where nothing else is.
 const char* const kShowFragment = R"(#version 450
 layout(location = 0) in vec2 v_at;
 layout(location = 0) uniform vec2 planes;  // z_near, z_far
+layout(location = 1) uniform bool shows_sky;
 layout(binding = 0) uniform usampler2D contents;
 layout(binding = 1) uniform sampler2D inverse_z;
 #if OBJECTS
@@ -294,17 +288,27 @@ void main() {
   ivec2 pixel = min(ivec2(v_at * vec2(size)), size - 1);
   pixel.y = size.y - 1 - pixel.y;
   uint content = texelFetch(contents, pixel, 0).r;
+  float w = texelFetch(inverse_z, pixel, 0).r;
+  bool sky = !(w * planes.y > 1.0);
 #if OBJECTS
-  if (content == 0u) discard;
+  if (content == 0u || sky) discard;
   out_object = content;
 #else
-  if (content >> 24 != 255u) discard;
+  if (content >> 24 != 255u || sky != shows_sky) discard;
   out_color = unpackUnorm4x8(content);
 #endif
-  float w = texelFetch(inverse_z, pixel, 0).r;
-  gl_FragDepth = clamp((1.0 - planes.x * w) * planes.y / (planes.y - planes.x), 0.0, FARTHEST);
+  gl_FragDepth =
+      sky ? 1.0 : clamp((1.0 - planes.x * w) * planes.y / (planes.y - planes.x), 0.0, 1.0);
 }
 )";
+
+// Whatever the locale is.
+std::string text_of(float value) {
+  char text[32];
+  const auto [end, error] =
+      std::to_chars(std::begin(text), std::end(text), value, std::chars_format::scientific);
+  return error == std::errc() ? std::string(text, end) : "0.0";
+}
 
 std::string constants() {
   const auto define = [](const char* name, const auto& value) {
@@ -316,22 +320,19 @@ std::string constants() {
   const auto bits = [&](const char* name, std::uint32_t value) {
     return define(name, std::to_string(value) + "u");
   };
-  const auto number = [&](const char* name, float value) {
-    return define(name, std::to_string(value));
-  };
-  // One step of a float before the far plane.
-  return define("FARTHEST", "(1.0 - 1.0 / 8388608.0)") + whole("MOST_WARPED", kMostWarped) +
-         whole("DEPTH_BLOCK", kDepthBlock) + whole("KEYFRAME_BLOCK", kKeyframeBlock) +
-         whole("SOURCE_BLOCK", kSourceBlock) + whole("PIXEL_BLOCK", kPixelBlock) +
-         whole("SPLAT_GROUP", kSplatGroup) + number("HALF_SQUARE", kHalfSquare) +
-         number("SAME_SURFACE", kSameSurfaceDepth) + number("MOST_MAGNIFIED", kMostMagnified) +
-         number("MOST_MIXED", kMostMixed) + whole("TEXEL_WEIGHTS", kTexelWeights) +
-         whole("ALL_SHOWN", kAllShown) + whole("LEAST_SHOWN", kLeastShown) +
-         bits("OWN", std::uint32_t(Quarter::own)) + bits("NEARER", std::uint32_t(Quarter::nearer)) +
-         bits("OWN_PARTS", kOwnParts) + whole("QUARTER_PARTS", kQuarterParts) +
-         whole("OTHER_QUARTER_SHIFT", kOtherQuarterShift) + bits("COVERED", kCoveredPixel) +
-         bits("PLAIN_SKY", kPlainSky) + whole("SKY_COLUMNS", kPlainSkyColumns) +
-         whole("STRIP", WarpedFrame::kStrip);
+  const auto number = [&](const char* name, float value) { return define(name, text_of(value)); };
+  return whole("MOST_WARPED", kMostWarped) + whole("DEPTH_BLOCK", kDepthBlock) +
+         whole("COLOR_UNIT", kColorUnit) + whole("DEPTH_UNIT", kDepthUnit) +
+         whole("COVER_UNIT", kCoverUnit) + whole("SOURCE_BLOCK", kSourceBlock) +
+         whole("PIXEL_BLOCK", kPixelBlock) + whole("SPLAT_GROUP", kSplatGroup) +
+         number("HALF_SQUARE", kHalfSquare) + number("SAME_SURFACE", kSameSurfaceDepth) +
+         number("MOST_MAGNIFIED", kMostMagnified) + number("MOST_MIXED", kMostMixed) +
+         whole("TEXEL_WEIGHTS", kTexelWeights) + whole("ALL_SHOWN", kAllShown) +
+         whole("LEAST_SHOWN", kLeastShown) + bits("OWN", std::uint32_t(Quarter::own)) +
+         bits("NEARER", std::uint32_t(Quarter::nearer)) + bits("OWN_PARTS", kOwnParts) +
+         whole("QUARTER_PARTS", kQuarterParts) + whole("OTHER_QUARTER_SHIFT", kOtherQuarterShift) +
+         bits("COVERED", kCoveredPixel) + bits("PLAIN_SKY", kPlainSky) +
+         whole("SKY_COLUMNS", kPlainSkyColumns) + whole("STRIP", WarpedFrame::kStrip);
 }
 
 }  // namespace

@@ -6,11 +6,12 @@
 namespace rilievo::shader {
 
 // At most so many keyframes are warped at once.
-inline constexpr int kMostWarped = 4;
+inline constexpr int kMostWarped = 3;
 
-// The storage blocks of all passes, and the uniform block of what is known of keyframes.
-inline constexpr int kDepthBlock = 0, kKeyframeBlock = 1,
-                     kPixelBlock = kKeyframeBlock + kMostWarped, kSourceBlock = 0;
+// Texture units, one for each keyframe; storage blocks; and the uniform block of what is known of
+// keyframes.
+inline constexpr int kColorUnit = 0, kDepthUnit = kMostWarped, kCoverUnit = 2 * kMostWarped;
+inline constexpr int kDepthBlock = 0, kPixelBlock = 1, kSourceBlock = 0;
 
 // Forward: one invocation for each texel of a keyframe.
 inline constexpr int kSplatGroup = 64;  // texels of a row

@@ -127,7 +127,7 @@ void KeyframeFrames::State::make_producer() {
   any_still = !objects.empty();
   if (any_still && !own_source && options.keyframes.keyframe_ms > 0 &&
       options.polygons_where_cheaper)
-    cheaper.emplace();
+    cheaper.emplace(!painter || painter->draws_as_source());
   CaptureSource* source = own_source.get();
   std::unique_ptr<FrameRaster> visibility;
   if (!source && options.by == KeyframesBy::raster) {

@@ -90,8 +90,9 @@ class KeyframeFrames final : public FrameSource {
   // Beside such a frame, too, but makes nothing: it only learns how the eye moves.
   void follow(const Camera& camera, double time);
   // Forgets all keyframes, and takes the memory of those to come, so that no frame that prepares
-  // them touches new pages: on any thread, before such frames, which `camera` will be like. Not of
-  // keyframes that are made beside the frames.
+  // them touches new pages: before such frames, which `camera` will be like, on any thread; with a
+  // painter that draws with OpenGL, on that of its context. Not of keyframes that are made beside
+  // the frames.
   void reserve(const Camera& camera, double time);
   // Is there a keyframe to look from?
   [[nodiscard]] bool any() const;

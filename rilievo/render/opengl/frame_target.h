@@ -57,10 +57,6 @@ class ProbeTarget {
   [[nodiscard]] Image<float> read_eye_z(const Camera& camera) const;
 
   [[nodiscard]] GLuint framebuffer() const { return framebuffer_; }
-  // The depths, as a texture of window_z.
-  [[nodiscard]] GLuint depth() const { return depth_; }
-  [[nodiscard]] int width() const { return width_; }
-  [[nodiscard]] int height() const { return height_; }
 
  private:
   int width_ = 0, height_ = 0;
