@@ -1,4 +1,5 @@
-// How does a background worker keep to one core, however its work would divide itself?
+// On how many threads does work run? How does a background worker keep to one core, however its
+// work would divide itself?
 #pragma once
 
 namespace rilievo {
@@ -14,5 +15,10 @@ class OnThisThread {
  private:
   bool before_;
 };
+
+// On how many threads the parallel_for calls of this thread run at the same time, at most: one
+// while an OnThisThread lives, and no more than its TBB arena and a host's tbb::global_control
+// allow.
+[[nodiscard]] int threads_of_calls();
 
 }  // namespace rilievo

@@ -1,6 +1,10 @@
 #include "rilievo/core/parallel_for.h"
 
+#include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
 
 #include "rilievo/core/happens.h"
 #include "rilievo/core/on_this_thread.h"
@@ -44,5 +48,12 @@ namespace rilievo {
 
 OnThisThread::OnThisThread() : before_(detail::on_this_thread) { detail::on_this_thread = true; }
 OnThisThread::~OnThisThread() { detail::on_this_thread = before_; }
+
+int threads_of_calls() {
+  if (detail::on_this_thread) return 1;
+  const std::size_t allowed =
+      tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
+  return int(std::min(std::size_t(std::max(1, tbb::this_task_arena::max_concurrency())), allowed));
+}
 
 }  // namespace rilievo

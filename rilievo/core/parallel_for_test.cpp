@@ -1,10 +1,14 @@
 #include "rilievo/core/parallel_for.h"
 
 #include <gtest/gtest.h>
+#include <tbb/global_control.h>
+#include <tbb/task_arena.h>
 
 #include <random>
 #include <stdexcept>
 #include <vector>
+
+#include "rilievo/core/on_this_thread.h"
 
 namespace rilievo {
 namespace {
@@ -41,6 +45,23 @@ TEST(ParallelFor, may_be_nested) {
   parallel_for(
       0, 20, [&](int y) { parallel_for(0, 20, [&](int x) { ++runs[std::size_t(20 * y + x)]; }); });
   for (const int run : runs) EXPECT_EQ(run, 1);
+}
+
+TEST(ParallelFor, tells_on_how_many_threads_it_runs_whatever_limits_them) {
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, 3);
+  const auto in_arena = [](int slots) {
+    tbb::task_arena arena(slots);
+    return arena.execute([] { return threads_of_calls(); });
+  };
+  EXPECT_EQ(in_arena(1), 1);
+  EXPECT_EQ(in_arena(2), 2);
+  EXPECT_EQ(in_arena(5), 3);
+  {
+    const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+    EXPECT_EQ(in_arena(5), 1);
+  }
+  const OnThisThread alone;
+  EXPECT_EQ(threads_of_calls(), 1);
 }
 
 TEST(ParallelFor, lets_an_exception_out) {

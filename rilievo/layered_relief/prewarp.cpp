@@ -5,15 +5,16 @@
 #include "rilievo/layered_relief/prewarp.h"
 
 #include <tbb/enumerable_thread_specific.h>
-#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include "rilievo/core/on_this_thread.h"
 #include "rilievo/core/parallel_for.h"
 #include "rilievo/layered_relief/fill_pinholes.h"
 #include "rilievo/layered_relief/prewarp_grid.h"
 #include "rilievo/layered_relief/prewarp_runs.h"
+#include "rilievo/layered_relief/prewarp_strips.h"
 
 namespace rilievo {
 namespace {
@@ -21,6 +22,8 @@ namespace {
 // Texels between the rows of a tile beyond its width: rows then do not share their places in the
 // processor's cache.
 constexpr int kPitchPadding = 8;
+// Where work is estimated.
+constexpr std::size_t kWorkBorders = 65;
 
 // Is the quad of world points outside one of the frustum's planes?
 bool outside(const glm::dmat4& clip_from_world, const std::array<glm::dvec3, 4>& quad) {
@@ -81,13 +84,14 @@ struct Prewarp::State {
   };
   tbb::enumerable_thread_specific<Scratch> scratch;
   PinholeScratch pinholes;
+  std::vector<Texels> strips;
+  std::vector<double> work;  // estimate_work()
 
   // What one warp() needs to know everywhere.
   struct Frame {
     ReliefWarp warp;
     double resolution = 1;
     Texels all, shown;  // of the result, before and after clipping to the view
-    TileGrid grid;
     std::vector<Sheet> sheets;
     glm::dvec3 eye{0.0};
     glm::dvec2 slope_per_texel{0.0};  // RunQuery's
@@ -98,11 +102,11 @@ struct Prewarp::State {
   };
 
   [[nodiscard]] bool in_view(const Frame& f, const glm::dmat4& clip, const Texels& texels) const;
-  void plan_tiles(Frame& f, const Camera* view, std::vector<glm::ivec2>& tiles) const;
+  void plan_strips(Frame& f, const Camera* view);
   void set_coefficients(Frame& f) const;
   void set_geometry(const Frame& f, PictureGeometry& geometry) const;
   void set_resolve(Frame& f, const Camera& camera) const;
-  void do_tile(const Frame& f, const glm::ivec2& at, Prewarped& result, PrewarpStats& stats);
+  void do_strip(const Frame& f, const Texels& part, Prewarped& result, PrewarpStats& stats);
 };
 
 Prewarp::Prewarp(const LayeredRelief& relief, const PrewarpOptions& options)
@@ -126,29 +130,29 @@ bool Prewarp::State::in_view(const Frame& f, const glm::dmat4& clip, const Texel
   return !outside(clip, quad);
 }
 
-// The tiles of what is in view. What is shown need not begin and end where tiles do: it is found in
-// smaller steps.
-void Prewarp::State::plan_tiles(Frame& f, const Camera* view,
-                                std::vector<glm::ivec2>& tiles) const {
+// The strips of what is in view. What is shown need not begin and end where tiles do: it is found
+// in smaller steps.
+void Prewarp::State::plan_strips(Frame& f, const Camera* view) {
   constexpr int kViewStep = 64;
+  strips.clear();
   f.shown = f.all;
   if (view) {
-    f.grid = {glm::ivec2(0), glm::ivec2(kViewStep)};
+    const TileGrid grid{glm::ivec2(0), glm::ivec2(kViewStep)};
     f.shown = {f.all.max, f.all.min};
     const glm::dmat4 clip = clip_from_world(*view);
-    const Texels steps = f.grid.tiles_of(f.all);
+    const Texels steps = grid.tiles_of(f.all);
     for (int y = steps.min.y; y < steps.max.y; ++y)
       for (int x = steps.min.x; x < steps.max.x; ++x) {
-        const Texels part = overlap(f.grid.texels_of({x, y}), f.all);
+        const Texels part = overlap(grid.texels_of({x, y}), f.all);
         if (!in_view(f, clip, part)) continue;
         f.shown = {glm::min(f.shown.min, part.min), glm::max(f.shown.max, part.max)};
       }
     if (f.shown.empty()) return;
   }
-  f.grid = strips(f.shown, options.tile_size, tbb::this_task_arena::max_concurrency());
-  const Texels all = f.grid.tiles_of(f.shown);
-  for (int y = all.min.y; y < all.max.y; ++y)
-    for (int x = all.min.x; x < all.max.x; ++x) tiles.emplace_back(x, y);
+  const int count = strip_count(f.shown.size(), options.tile_size, threads_of_calls());
+  work.resize(kWorkBorders);
+  if (count > 1) estimate_work(*relief, f.warp, f.resolution, f.least_code, f.shown, work);
+  divide_work(f.shown, work, count, strips);
 }
 
 void Prewarp::State::set_coefficients(Frame& f) const {
@@ -217,16 +221,15 @@ void Prewarp::State::set_resolve(Frame& f, const Camera& camera) const {
                  float(1 / k3 + d0)};
 }
 
-// Warps a tile, and puts it into the result.
-void Prewarp::State::do_tile(const Frame& f, const glm::ivec2& at, Prewarped& result,
-                             PrewarpStats& stats) {
+// Warps a strip, and puts it into the result.
+void Prewarp::State::do_strip(const Frame& f, const Texels& part, Prewarped& result,
+                              PrewarpStats& stats) {
   auto& [texels, runs] = scratch.local();
   // One more row than texels, for what misses.
   constexpr ReliefSample kNothing{0xffffffff, 0xffffffff};
-  const int pitch = f.grid.size.x + kPitchPadding, missed = f.grid.size.y * pitch;
-  if (texels.size() <= std::size_t(missed)) texels.resize(std::size_t(missed) + 1, kNothing);
-  const Texels part = overlap(f.grid.texels_of(at), f.shown);
   const glm::ivec2 first = part.min - f.all.min, size = part.size();
+  const int pitch = size.x + kPitchPadding, missed = size.y * pitch;
+  if (texels.size() <= std::size_t(missed)) texels.resize(std::size_t(missed) + 1, kNothing);
   const PrewarpTile tile{texels.data(), missed, first.x, first.y, size.x, size.y, pitch};
   RunQuery query;
   query.min = glm::dvec2(part.min) / f.resolution, query.max = glm::dvec2(part.max) / f.resolution;
@@ -279,12 +282,11 @@ std::optional<PrewarpStats> Prewarp::warp(const glm::dvec3& eye, const Camera* v
            glm::ivec2(glm::ceil(rectangle.max * f.resolution))};
   f.all.max = glm::max(f.all.max, f.all.min + 1);
 
-  std::vector<glm::ivec2> tiles;
-  s.plan_tiles(f, view, tiles);
+  s.plan_strips(f, view);
   PrewarpStats stats;
   stats.resolution = f.resolution;
-  stats.tiles = int(tiles.size());
-  if (tiles.empty()) {
+  stats.tiles = int(s.strips.size());
+  if (s.strips.empty()) {
     result.color.clear();
     result.delta.clear();
     return stats;
@@ -299,8 +301,8 @@ std::optional<PrewarpStats> Prewarp::warp(const glm::dvec3& eye, const Camera* v
   result.color.resize(texels);
   result.delta.resize(texels);
   tbb::enumerable_thread_specific<PrewarpStats> sums;
-  parallel_for(std::size_t(0), tiles.size(),
-               [&](std::size_t i) { s.do_tile(f, tiles[i], result, sums.local()); });
+  parallel_for(std::size_t(0), s.strips.size(),
+               [&](std::size_t i) { s.do_strip(f, s.strips[i], result, sums.local()); });
   for (const PrewarpStats& sum : sums) {
     stats.samples_warped += sum.samples_warped;
     stats.samples_drawn += sum.samples_drawn;

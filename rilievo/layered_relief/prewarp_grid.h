@@ -3,7 +3,6 @@
 // Internal to the folder.
 #pragma once
 
-#include <algorithm>
 #include <glm/glm.hpp>
 
 namespace rilievo {
@@ -35,20 +34,6 @@ inline Texels TileGrid::tiles_of(const Texels& texels) const {
   const glm::ivec2 first = texels.min - origin, last = texels.max - 1 - origin;
   return {{floor_div(first.x, size.x), floor_div(first.y, size.y)},
           {floor_div(last.x, size.x) + 1, floor_div(last.y, size.y) + 1}};
-}
-
-// Strips of the same height, as wide as the result, of at most most * most texels: the rows of a
-// relief's tile that cannot reach a strip are left out, its columns are not. So fewer samples are
-// warped twice than with squares. At least one for each thread, but no more than kStrips for that,
-// unless they would be low: with four strips a sample is warped 1.5 times in the mean (a helmet),
-// and on two threads four strips take as long as two.
-inline constexpr int kStrips = 4, kStripRows = 64;
-inline TileGrid strips(const Texels& all, int most, int threads) {
-  const glm::ivec2 extent = all.size();
-  const int rows = std::max(most * most / extent.x, 16);
-  const int count = std::max(
-      {(extent.y + rows - 1) / rows, std::min({kStrips, threads, extent.y / kStripRows}), 1});
-  return {all.min, {extent.x, (extent.y + count - 1) / count}};
 }
 
 }  // namespace rilievo

@@ -6,6 +6,7 @@
 
 #include <bit>
 
+#include "rilievo/core/on_this_thread.h"
 #include "rilievo/layered_relief/relief_test_helpers.h"
 #include "rilievo/render/shading/simd_test_helpers.h"
 
@@ -304,6 +305,8 @@ TEST(Prewarp, more_threads_warp_more_strips_to_the_same_bytes) {
   const glm::dvec3 eye = random_eye(rng, relief);
   Prewarped results[3];
   int strips[3] = {};
+  // However few cores the machine has.
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, 4);
   for (int i = 0; i < 3; ++i) {
     tbb::task_arena arena(1 << i);
     arena.execute([&] {
@@ -316,6 +319,13 @@ TEST(Prewarp, more_threads_warp_more_strips_to_the_same_bytes) {
   }
   EXPECT_LT(strips[0], strips[1]);
   EXPECT_LT(strips[1], strips[2]);
+  // A worker that keeps to its own thread has one strip, too.
+  const OnThisThread alone;
+  Prewarped result;
+  const std::optional<PrewarpStats> done = Prewarp(relief, {}).warp(eye, nullptr, result);
+  ASSERT_TRUE(done);
+  EXPECT_EQ(done->tiles, strips[0]);
+  EXPECT_EQ(result.color, results[0].color);
 }
 
 TEST(Prewarp, what_is_behind_the_eye_or_too_near_is_left_out) {
