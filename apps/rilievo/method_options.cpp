@@ -92,7 +92,7 @@ void add_method_options(CLI::App& command, MethodOptions& options) {
           "--gap-px", options.gap_px,
           "cache: the largest width of a gap where a surface was hidden at capture, in pixels "
           "(default twice --error-px); keyframes: rays look for hidden surfaces where gaps may be "
-          "wider (default 4)")
+          "wider (default 4; at least 1)")
       ->check(in_range(0.01, 1e6))
       ->type_name("E");
   add_budget_options(command, "cache", options.capture_ms, options.late, options.max_spike);

@@ -143,7 +143,7 @@ void AutoFrames::look(const Camera& camera) {
   for (int method = 0; method < kMethods; ++method) {
     double& off = off_[method];
     // What one frame took beside the others is believed less and less, until it is tried.
-    const bool counted = method == kDirect && direct_frames_ > 0;
+    const bool counted = method == kDirect && direct_counted_;
     if (frames_[method] && decision_->mean_ms(method) == 0) off = remembered_off(off, counted);
     outlook_[std::size_t(method)].guess_ms *= off;
   }
@@ -322,7 +322,8 @@ Result<> AutoFrames::draw(const Camera& camera, double time) {
   if (eye_.jumped() && decision_->draws() != kKeyframes)
     keyframes_seen_ = frame_ - kKeyframesLast - 1;
   // What the cache lost was measured elsewhere, too.
-  if (eye_.jumped()) cheap_ = false, cache_loss_.reset();
+  // What was counted is of another place.
+  if (eye_.jumped()) cheap_ = direct_counted_ = false, cache_loss_.reset();
   look(camera);
   // What frames make of keyframes they make after what is timed.
   const bool disturbed = preparing_ >= 0 && stage_ != Preparing::by_frames;
@@ -371,7 +372,10 @@ Result<> AutoFrames::draw(const Camera& camera, double time) {
       slowness_ += (slowness - slowness_) * newest_share(kNewestSlowness, ++counted_frames_);
     calm_slowness_ = std::min((1 + kCalmGrows) * calm_slowness_, slowness_);
     if (counted_frames_ < kFewCounted) calm_slowness_ = slowness_;
-    if (choice.draws == kDirect) learn_direct(ms, choice.reason == AutoReason::trial);
+    if (choice.draws == kDirect) {
+      learn_direct(ms, choice.reason == AutoReason::trial);
+      direct_counted_ = false;
+    }
     if (choice.draws == kDirect && counted_ms > kNotCheap * load_.pixels_ms()) cheap_ = false;
   }
   // What else draws does not say that other programs have ended.

@@ -103,6 +103,7 @@ Result<bool> AutoFrames::keyframes_pay(const Camera& camera, double time) {
   // It touched memory for the first time.
   begun_ms_ = std::min(watch.ms(), slowness_ * counted_ms);
   learn_direct(slowness_ * counted_ms, false);
+  direct_counted_ = true;
   cheap_ = counted_ms < load_.pixels_ms();
   const bool keeps_pace =
       options_.fps > 0 && slowness_ * counted_ms < AutoDecision::kKeepsPace * 1000 / options_.fps;

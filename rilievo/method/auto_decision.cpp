@@ -311,7 +311,7 @@ AutoChoice AutoDecision::next(std::span<const AutoOutlook> outlook, bool jumped,
     cost.frames = std::min(cost.frames, 2);
     cost.recent.forget();
   }
-  if (jumped) trials_.forget_failed();
+  if (jumped) trials_.forget_failed(), less_ = 0;
   ++since_change_;
   recent_changes_ = jumped ? 0 : kStaysRecent * recent_changes_;
   // The frames of a warm-up are forgotten when it is over.
@@ -360,11 +360,13 @@ AutoChoice AutoDecision::next(std::span<const AutoOutlook> outlook, bool jumped,
         // What is prepared would disturb the trial.
         if (tries >= 0) prepares_ = -1;
         tried_in_warm_up_ = false;
+        // Frames before a trial and after it are no row.
+        if (tries >= 0) less_ = 0;
         if (tries >= 0)
           trials_.begin(tries, candidates_[std::size_t(tries)].warm_up,
                         plausible(tries, outlook[std::size_t(tries)]));
       } else if (const int tries = disturbed ? -1 : plainly_worth_trying(outlook); tries >= 0) {
-        prepares_ = -1;
+        prepares_ = -1, less_ = 0;
         tried_in_warm_up_ = true;
         trials_.begin(tries, candidates_[std::size_t(tries)].warm_up,
                       plausible(tries, outlook[std::size_t(tries)]));

@@ -82,6 +82,7 @@ class AutoFrames final : public FrameSource {
     EyePrediction eye;                           // that saw that
     bool followed = false;                       // keyframes know how the eye moves
     bool jumped = false;                         // the eye did, since they were last told
+    int jumped_in = 0;                           // the frame in which it did last
     bool by_frames = false, first_seen = false;  // keyframes: frames make them; the first was seen
     KeyframesDoubt doubt;                        // of those
     UsualTime usual;
@@ -182,8 +183,9 @@ class AutoFrames final : public FrameSource {
   bool begun_drawn_ = false;            // polygons drew the first frame, to find out
   double begun_ms_ = 0;                 // what that took
   int frame_ = 0, counted_frames_ = 0, direct_frames_ = 0, drawn_by_ = kDirect;
-  double slowness_ = 1;       // times as slow as the machine of FrameLoad
-  double calm_slowness_ = 1;  // the same, without other programs
+  bool direct_counted_ = false;  // how far off polygons' model is was counted, not timed
+  double slowness_ = 1;          // times as slow as the machine of FrameLoad
+  double calm_slowness_ = 1;     // the same, without other programs
   bool hurries_ = false;
   std::optional<IdleThread> beside_;  // last: it ends first
 };

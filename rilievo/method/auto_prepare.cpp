@@ -28,6 +28,7 @@ Result<std::unique_ptr<KeyframeFrames>> AutoFrames::make_keyframes(const Scene& 
   KeyframeFramesOptions keyframes;
   keyframes.samples = backend_.samples();
   keyframes.polygons_where_cheaper = false;
+  if (options_.gap_px > 0) keyframes.gap_px = options_.gap_px;
   keyframes.keyframes.samples = options_.keyframe_samples;
   keyframes.keyframes.keyframe_ms = options_.keyframe_ms > 0 ? options_.keyframe_ms : kKeyframeMs;
   return KeyframeFrames::create(scene, keyframes);
@@ -82,15 +83,20 @@ void AutoFrames::prepare(int method, const Camera& camera, double time) {
 // Beside a frame that took `ms`.
 void AutoFrames::make_part(const Camera& camera, double time, double ms) {
   if (preparing_ < 0) return;
-  made_.jumped = made_.jumped || eye_.jumped();
+  if (eye_.jumped()) made_.jumped = true, made_.jumped_in = frame_;
   if (stage_ != Preparing::by_frames) return;
-  const bool warm = frame_ - begun_in_ > kCacheWarmsUp && decision_->drawn_ms() > 0;
+  // After a jump the cache captures as it does at first.
+  const bool warm =
+      frame_ - std::max(begun_in_, made_.jumped_in) > kCacheWarmsUp && decision_->drawn_ms() > 0;
   made_.given_up = warm && made_.doubt.add(decision_->drawn_ms(), outlook_[kKeyframes].guess_ms);
   if (made_.given_up) return;
   KeyframeFrames& frames = *prepared_keyframes();
   // After a jump they are of elsewhere.
   const bool jumped = std::exchange(made_.jumped, false);
-  if (jumped) made_.first_seen = made_.followed = false, made_.usual.forget();
+  if (jumped) {
+    made_.first_seen = made_.followed = false;
+    made_.usual.forget(), made_.doubt = {};
+  }
   const double usual_ms = made_.usual.add(ms, decision_->drawn_ms(), warm);
   if (!std::exchange(made_.followed, true)) follow_way(eye_, time, frames);
   const double part_ms =

@@ -11,6 +11,7 @@
 // place is found. Blocks that were torn are looked at in the next frames before any others.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -34,14 +35,15 @@ class TornBlocks {
   // comes later, and has more still.
   static constexpr double kMostTorn = 0.01;
 
-  // Edges that move by less, in pixels, hide strips that few see.
-  static constexpr double kLeastGap = 4;
+  // Edges that move by less, in pixels, hide strips that few see. Among those that move by less
+  // than a pixel, as slanted surfaces do everywhere, rays would be spent in vain.
+  static constexpr double kLeastGap = 4, kLeastOfAll = 1;
 
   // `rays` must outlive the object. Beside edges that move by `least_gap` pixels or less nothing is
   // looked for.
   explicit TornBlocks(const RayScene& rays, double least_gap = kLeastGap,
                       double most_torn = kMostTorn)
-      : rays_(rays), least_gap_(least_gap), most_torn_(most_torn) {}
+      : rays_(rays), least_gap_(std::max(least_gap, kLeastOfAll)), most_torn_(most_torn) {}
 
   // Looks at a frame, and makes holes; returns how many. `objects`, ascending: those that keyframes
   // show; nothing else is looked for.

@@ -243,7 +243,8 @@ void main() {
   vec2 t = vec2(max(max(max(lo.x, lo.y), lo.z), 1e-6), 1.0);
   float speed = dot(forward_near.xyz, v_ray);  // eye_z over the ray
 
-  // The rules are those of warp_surfaces() (rilievo/layered_impostor/surface_warp.cpp).
+  // The rules are those of warp_surfaces() (rilievo/layered_impostor/surface_warp.cpp) but for the
+  // order of the pictures, and for pictures that see through a place: docs/web.md.
   vec4 blended = vec4(0.0), doubtful_color = vec4(0.0);
   float surface = 0.0, nothing = 0.0, heaviest = 0.0;
   float depth = 1e38, doubtful_depth = 1e38;  // eye_z
