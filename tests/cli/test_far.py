@@ -72,7 +72,7 @@ class Far(command.Case):
 
     def test_opengl_draws_the_same_frames_by_every_method(self):
         for name in SCENES:
-            self.expect_same(name, "opengl", ("direct", "nailboard", "cache"))
+            self.expect_same(name, "opengl", ("direct", "nailboard", "cache", "keyframes"))
 
     def test_every_bake_draws_the_same_frames(self):
         for name in SCENES:
