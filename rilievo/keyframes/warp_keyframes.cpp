@@ -118,6 +118,12 @@ void copy_row(const Keyframe& key, int left, int y, std::span<std::uint32_t> col
 
 }  // namespace
 
+void WarpedFrame::resize(int width, int height) {
+  fit(color, width, height);
+  fit(inverse_z, width, height);
+  fit(holes_in_strip, strips(height), 1);
+}
+
 std::size_t WarpedFrame::holes() const {
   const std::span<const std::uint32_t> of = holes_in_strip.texels();
   return std::accumulate(of.begin(), of.end(), std::size_t(0));
@@ -129,10 +135,8 @@ void warp_keyframes(std::span<const WarpedKeyframe> keyframes, const Camera& fra
                              cover->inverse_z->height() == frame.height));
   const std::span<const WarpSource> sources = sources_of(keyframes, frame);
   const int count = int(sources.size());
-  const int strips = (frame.height + WarpedFrame::kStrip - 1) / WarpedFrame::kStrip;
-  fit(out.color, frame.width, frame.height);
-  fit(out.inverse_z, frame.width, frame.height);
-  fit(out.holes_in_strip, strips, 1);
+  const int strips = WarpedFrame::strips(frame.height);
+  out.resize(frame.width, frame.height);
   if (const auto same = cover ? std::nullopt : find_same_pixels(sources, frame)) {
     std::ranges::fill(out.holes_in_strip.texels(), 0u);
     const Keyframe& key = *sources[same->source].keyframe;

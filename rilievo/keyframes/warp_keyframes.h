@@ -56,6 +56,9 @@ struct WarpedFrame {
   Image<float> inverse_z;               // 1 / eye_z; 0: sky or a hole
   Image<std::uint32_t> holes_in_strip;  // one row: the number of holes of each strip
 
+  [[nodiscard]] static int strips(int height) { return (height + kStrip - 1) / kStrip; }
+  // Does not allocate if it was as large before.
+  void resize(int width, int height);
   [[nodiscard]] bool hole(int x, int y) const { return color(x, y) == 0; }
   [[nodiscard]] std::size_t holes() const;
 };

@@ -23,13 +23,6 @@ struct SourceWords {
 static_assert(sizeof(SourceWords) == (6 * 4 + 8) * sizeof(std::uint32_t));
 static_assert(sizeof(FilledHole) == 4 * sizeof(std::uint32_t));
 
-template <class T>
-void fit(Image<T>& image, int width, int height) {
-  if (image.width() != width || image.height() != height) image = Image<T>(width, height);
-}
-
-int strips_of(int height) { return (height + WarpedFrame::kStrip - 1) / WarpedFrame::kStrip; }
-
 }  // namespace
 
 Result<KeyframeWarper> KeyframeWarper::create() {
@@ -85,7 +78,7 @@ void KeyframeWarper::upload_sources(const Camera& frame, bool leaves_sky) {
                 0};
   }
   const std::size_t across = std::size_t(plain_sky_cells(frame.width)),
-                    strips = std::size_t(strips_of(frame.height));
+                    strips = std::size_t(WarpedFrame::strips(frame.height));
   plain_sky_.assign(across * strips, 0);
   if (leaves_sky)
     for (std::size_t i = 0; i < strips; ++i) {
@@ -132,14 +125,7 @@ Result<> KeyframeWarper::warp(std::span<const WarpedKeyframe> keyframes, const C
     glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
   }
 
-  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, framebuffer_);
-  glViewport(0, 0, width_, height_);
-  glDisable(GL_SCISSOR_TEST);
-  glDisable(GL_DEPTH_TEST);
-  glDisable(GL_CULL_FACE);
-  glDisable(GL_BLEND);
-  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
-  glUseProgram(lookup_);
+  begin_pass(lookup_);
   glUniform1i(0, GLint(sources_.size()));
   glUniform2i(1, width_, height_);
   glUniform3i(2, same ? GLint(same->source) : -1, same ? same->left : 0, same ? same->top : 0);
@@ -148,22 +134,32 @@ Result<> KeyframeWarper::warp(std::span<const WarpedKeyframe> keyframes, const C
   glUniform2f(5, float(frame.z_near), float(frame.z_far));
   glUniform1f(6, cover ? cover->nearest : 0);
   glUniform1i(7, cover ? cover->samples : 0);
-  glBindVertexArray(no_vertices_);
   glDrawArrays(GL_TRIANGLES, 0, 3);
   read_back(out);
   return Done{};
 }
 
+// Into the warped frame, whose pixels all of a pass's fragments replace.
+void KeyframeWarper::begin_pass(const gl::Program& program) const {
+  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, framebuffer_);
+  glViewport(0, 0, width_, height_);
+  glDisable(GL_SCISSOR_TEST);
+  glDisable(GL_DEPTH_TEST);
+  glDisable(GL_CULL_FACE);
+  glDisable(GL_BLEND);
+  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+  glUseProgram(program);
+  glBindVertexArray(no_vertices_);
+}
+
 void KeyframeWarper::read_back(WarpedFrame& out) const {
-  fit(out.color, width_, height_);
-  fit(out.inverse_z, width_, height_);
-  fit(out.holes_in_strip, strips_of(height_), 1);
+  out.resize(width_, height_);
   glPixelStorei(GL_PACK_ALIGNMENT, 4);
   glGetTextureImage(color_, 0, GL_RED_INTEGER, GL_UNSIGNED_INT,
                     GLsizei(out.color.texels().size_bytes()), out.color.texels().data());
   glGetTextureImage(inverse_z_, 0, GL_RED, GL_FLOAT, GLsizei(out.inverse_z.texels().size_bytes()),
                     out.inverse_z.texels().data());
-  parallel_for(0, strips_of(height_), [&](int i) {
+  parallel_for(0, WarpedFrame::strips(height_), [&](int i) {
     std::uint32_t holes = 0;
     const int first = i * WarpedFrame::kStrip;
     for (int y = first; y < std::min(first + WarpedFrame::kStrip, height_); ++y)
@@ -175,16 +171,8 @@ void KeyframeWarper::read_back(WarpedFrame& out) const {
 void KeyframeWarper::fill(std::span<const FilledHole> holes) {
   if (holes.empty()) return;
   stream_.upload_and_bind(GL_SHADER_STORAGE_BUFFER, shader::kPixelBlock, std::as_bytes(holes));
-  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, framebuffer_);
-  glViewport(0, 0, width_, height_);
-  glDisable(GL_SCISSOR_TEST);
-  glDisable(GL_DEPTH_TEST);
-  glDisable(GL_CULL_FACE);
-  glDisable(GL_BLEND);
-  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
-  glUseProgram(fill_);
+  begin_pass(fill_);
   glUniform2i(0, width_, height_);
-  glBindVertexArray(no_vertices_);
   glDrawArrays(GL_TRIANGLES, 0, GLsizei(3 * holes.size()));
 }
 

@@ -58,6 +58,7 @@ class KeyframeWarper {
 
  private:
   void upload_sources(const Camera& frame, bool leaves_sky);
+  void begin_pass(const gl::Program& program) const;
   void read_back(WarpedFrame& out) const;
   void draw_over(const Camera& frame, const gl::Program& program, GLuint contents, GLuint depths,
                  bool sky);

@@ -12,6 +12,7 @@
 #include "rilievo/capture/shapes_test_helpers.h"
 #include "rilievo/frame/gl/opengl_backend.h"
 #include "rilievo/gl/context_test_helpers.h"
+#include "rilievo/keyframes/frame_difference_test_helpers.h"
 #include "rilievo/keyframes/software/keyframe_frames.h"
 #include "rilievo/method/method.h"
 #include "rilievo/render/opengl/frame_target.h"
@@ -28,26 +29,6 @@ struct Drawn {
   Image<float> eye_z;
   SeenObjects seen;
 };
-
-double psnr(const Rgba8Image& a, const Rgba8Image& b) {
-  double sum = 0;
-  for (std::size_t i = 0; i < a.texels().size(); ++i)
-    for (int c = 0; c < 3; ++c)
-      sum += std::pow(double(a.texels()[i][c]) - double(b.texels()[i][c]), 2);
-  return sum == 0 ? 100 : 10 * std::log10(255.0 * 255.0 * 3 * double(a.texels().size()) / sum);
-}
-
-// The share of pixels that show another object than all of the other frame's pixels around.
-double wrong_share(const Image<std::uint32_t>& a, const Image<std::uint32_t>& b) {
-  int wrong = 0;
-  for (int y = 1; y + 1 < a.height(); ++y)
-    for (int x = 1; x + 1 < a.width(); ++x) {
-      bool found = false;
-      for (int i = 0; i < 9; ++i) found = found || b(x - 1 + i % 3, y - 1 + i / 3) == a(x, y);
-      wrong += !found;
-    }
-  return double(wrong) / (a.width() * a.height());
-}
 
 class OpenGLPainterTest : public gl::ContextTest {
  protected:
@@ -100,9 +81,9 @@ class OpenGLWalkTest : public OpenGLPainterTest {
       const Drawn drawn = draw(*frames, camera, time);
       const Drawn truth = draw(*direct.frames, camera, time);
       const Rgba8Image& expected = software->software_target()->color();
-      walk.to_software = std::min(walk.to_software, psnr(drawn.color, expected));
-      walk.to_direct = std::min(walk.to_direct, psnr(drawn.color, truth.color));
-      walk.software_to_direct = std::min(walk.software_to_direct, psnr(expected, truth.color));
+      walk.to_software = std::min(walk.to_software, psnr_of(drawn.color, expected));
+      walk.to_direct = std::min(walk.to_direct, psnr_of(drawn.color, truth.color));
+      walk.software_to_direct = std::min(walk.software_to_direct, psnr_of(expected, truth.color));
       walk.wrong += each * wrong_share(drawn.seen.objects, truth.seen.objects);
       walk.filled += each * frames->shares().filled;
       walk.filled_by_software += each * software->shares().filled;
@@ -189,7 +170,7 @@ TEST_F(OpenGLPainterTest, FramesMayChangeTheirSize) {
       const double time = frame_time(made.path, i);
       const Camera camera = camera_at(made.path, time, 2 * size, size);
       const Drawn drawn = draw(*keyframes.frames, camera, time);
-      EXPECT_GT(psnr(drawn.color, draw(*direct.frames, camera, time).color), 25) << size;
+      EXPECT_GT(psnr_of(drawn.color, draw(*direct.frames, camera, time).color), 25) << size;
       if (programs == 0) programs = gl::programs_made();
     }
   }

@@ -12,6 +12,7 @@
 #include "rilievo/capture/ray_source.h"
 #include "rilievo/capture/shapes_test_helpers.h"
 #include "rilievo/core/color.h"
+#include "rilievo/keyframes/frame_difference_test_helpers.h"
 #include "rilievo/method/test_source_test_helpers.h"
 #include "rilievo/scene/builtin/builtin.h"
 
@@ -19,29 +20,6 @@ namespace rilievo {
 namespace {
 
 constexpr int kWidth = 160, kHeight = 100;
-
-double psnr_of(const Rgba8Image& a, const Rgba8Image& b) {
-  double sum = 0;
-  for (std::size_t i = 0; i < a.texels().size(); ++i)
-    for (int c = 0; c < 3; ++c) {
-      const double d = double(a.texels()[i][c]) - double(b.texels()[i][c]);
-      sum += d * d;
-    }
-  return sum == 0 ? 100 : 10 * std::log10(255.0 * 255.0 * 3 * double(a.texels().size()) / sum);
-}
-
-// The share of pixels whose object is none of those that the other frame shows at the pixel and its
-// neighbours: an edge may be a pixel off.
-double wrong_share(const Image<std::uint32_t>& a, const Image<std::uint32_t>& b) {
-  int wrong = 0;
-  for (int y = 1; y + 1 < a.height(); ++y)
-    for (int x = 1; x + 1 < a.width(); ++x) {
-      bool found = false;
-      for (int i = 0; i < 9; ++i) found = found || b(x - 1 + i % 3, y - 1 + i / 3) == a(x, y);
-      wrong += !found;
-    }
-  return double(wrong) / (a.width() * a.height());
-}
 
 TEST(KeyframeFrames, AWalkLooksLikeDirectFrames) {
   const BuiltinScene made = *make_builtin("builtin:bridge?triangles=100000");
