@@ -321,8 +321,7 @@ Result<> AutoFrames::draw(const Camera& camera, double time) {
   // Nor are they kept for here.
   if (eye_.jumped() && decision_->draws() != kKeyframes)
     keyframes_seen_ = frame_ - kKeyframesLast - 1;
-  // What the cache lost was measured elsewhere, too.
-  // What was counted is of another place.
+  // What the cache lost was measured elsewhere, and polygons were counted there.
   if (eye_.jumped()) cheap_ = direct_counted_ = false, cache_loss_.reset();
   look(camera);
   // What frames make of keyframes they make after what is timed.
