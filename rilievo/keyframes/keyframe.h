@@ -67,8 +67,8 @@ struct Keyframe {
   Image<float> inverse_z;       // 1 / eye_z of the surface at the texel's centre; 0: sky
   Image<std::uint32_t> object;  // index into Scene::objects + 1; kNoObject: sky
   bool coarse = false;          // has larger texels than the frames for which it was made
-  // Of those that one producer made, ascending; 0: it is not told. Who keeps a copy knows it by
-  // that.
+  // The serial number that its producer gave it, from 1 on; 0: none. It identifies copies, as on
+  // the GPU.
   std::uint64_t number = 0;
   bool sharp = false;  // its quarters are samples, not smoothed: of an eye that stands
   // Objects that it was captured without, and those whose texels are hidden: a hidden texel has the

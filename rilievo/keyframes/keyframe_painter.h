@@ -1,7 +1,7 @@
 // Who warps keyframes, and draws the frame: processors, or OpenGL.
 //
-// KeyframeFrames decides what a frame consists of: which keyframes are warped, what is polygons,
-// and what rays fill. A painter does the work on pixels:
+// KeyframeFrames decides which keyframes a frame is warped from, which objects are drawn as
+// polygons, and which pixels rays fill. A painter does the work on pixels, in this order:
 //
 //   begin() -> place() -> warp() -> draw() -> draw_objects()
 //
@@ -54,7 +54,7 @@ class KeyframePainter {
   virtual void finish() {}
   // Do polygons take about what the rasteriser takes as a source of keyframes?
   [[nodiscard]] virtual bool draws_as_source() const { return true; }
-  // Takes memory that frames with polygons need, for a frame that was begun. `polygons`: any.
+  // Allocates what frames with polygons need, for a frame that was begun. `polygons`: any object.
   virtual void take_memory(std::span<const std::uint32_t> polygons) = 0;
   // The share of the last frame's pixels that show polygons in front of what was warped.
   [[nodiscard]] virtual double polygon_share(const WarpedFrame& warped) const = 0;
