@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <memory>
 #include <numeric>
@@ -32,9 +33,11 @@
 namespace rilievo::bench {
 namespace {
 
-constexpr int kSamples = 4, kReference = 36, kPlaces = 3, kUsualFrames = 8;
+constexpr int kSamples = 4, kReference = 36, kUsualFrames = 8;
 constexpr std::size_t kAround = 8;  // frames
 constexpr double kRefresh = 30;     // frames a second of the eye, however long they take
+constexpr double kSeconds = 8;      // of a walk, unless asked for another length
+constexpr int kPlaceFrames = 80;    // frames are compared with the truth once in so many
 constexpr const char* kMethods[] = {"auto", "direct-raster", "direct-rays",
                                     "lod",  "cache",         "keyframes"};
 
@@ -110,7 +113,7 @@ struct AutoWalk {
 };
 
 struct AutoRun {
-  int width = 1280, height = 720, frames = 240;
+  int width = 1280, height = 720, frames = int(kSeconds * kRefresh);
   MethodOptions method;
 };
 
@@ -170,7 +173,7 @@ Result<AutoWalk> walk_by_all(const Scene& scene, const CameraPath& path, const A
     // on other threads when its frame is drawn, must not always meet the same one.
     std::shuffle(order.begin(), order.end(), rng);
     if (i == kFramesOfAll) seldom = drawn_seldom(walk.methods);
-    const bool judged = (i + 1) % (run.frames / kPlaces) == 0;
+    const bool judged = (i + 1) % std::min(kPlaceFrames, run.frames) == 0;
     for (const std::size_t k : order) {
       if (seldom[k] && !judged && i % kSeldom != 0) continue;
       Timed& one = walk.methods[k];
@@ -281,6 +284,7 @@ Result<BenchReport> automatic(const BenchOptions& options) {
   AutoRun run;
   if (options.quick) run.width = 160, run.height = 90, run.frames = 6;
   if (options.width > 0) run.width = options.width, run.height = options.height;
+  if (options.seconds > 0) run.frames = int(std::ceil(options.seconds * kRefresh));
   run.method.by_clock = true;
   run.method.max_spike = options.max_spike;
   run.method.keyframe_ms = options.keyframe_ms;
@@ -322,7 +326,7 @@ Result<BenchReport> automatic(const BenchOptions& options) {
   report.notes.push_back(fmt::format(
       "All methods draw the same {} frames in turn, the eye moves by a thirtieth of a second a "
       "frame; times are of all frames after the first. PSNR against true frames of {} samples at "
-      "{} places. Regret is auto's p50 over the least of the others', and its p99 over their "
+      "each {}th frame. Regret is auto's p50 over the least of the others', and its p99 over their "
       "least (in brackets: of those that take at most {:g} ms more than direct-raster to prepare "
       "before their first frame; what is more is said); busy is the processor time of all threads, "
       "which other programs disturb less. "
@@ -334,8 +338,8 @@ Result<BenchReport> automatic(const BenchOptions& options) {
       "below direct-raster ({:.1f} dB at most), or "
       "no worse than the cache, whose error is at most 1 px, and at most {:g} dB below; ! says "
       "that they are not.",
-      run.frames, kReference, kPlaces, kAtOnceMs, kUsualFrames, run.method.loss_db, kUnseenDb,
-      kMostTimes * run.method.loss_db));
+      run.frames, kReference, std::min(kPlaceFrames, run.frames), kAtOnceMs, kUsualFrames,
+      run.method.loss_db, kUnseenDb, kMostTimes * run.method.loss_db));
   return {std::move(report)};
 }
 

@@ -45,9 +45,9 @@ struct BenchOptions {
   // true frames of such a walk are kept (empty: nowhere).
   bool each_frame = false;
   std::string reference_folder;
-  // For `serve`: the length of walks (0: its own), which of 60 frames a second are compared (one of
-  // so many; 0: its own), latencies one way (empty: its networks), and who makes pictures, raster
-  // or raytrace.
+  // For `serve`, `auto` and `slow-keyframes`: the length of walks, s (0: its own). For `serve`:
+  // which of 60 frames a second are compared (one of so many; 0: its own), latencies one way
+  // (empty: its networks), and who makes pictures, raster or raytrace.
   double seconds = 0;
   int every_frame = 0;
   std::vector<double> latencies_ms;

@@ -183,9 +183,10 @@ Command bench_command(CLI::App& app) {
                    "For keyframes: with --each-frame, where true frames are kept and found again")
       ->type_name("DIR");
   command
-      ->add_option("--seconds", options->seconds,
-                   "For serve and slow-keyframes: length of a walk (default 8, with --full 60; "
-                   "slow-keyframes 16)")
+      ->add_option(
+          "--seconds", options->seconds,
+          "For serve, auto and slow-keyframes: length of a walk (default 8, serve with --full 60; "
+          "slow-keyframes 16)")
       ->check(in_range(2.5, 100.0))
       ->type_name("T");
   command
