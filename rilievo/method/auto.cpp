@@ -46,20 +46,8 @@ constexpr double kSameLevels = 0.8;
 constexpr int kLossesToRefuse = 8;
 // Levels that leave more than this share of the triangles draw nearly what polygons do.
 constexpr double kLevelsMayPay = 0.9;
-// The share of a frame in how slow the machine is.
-constexpr double kNewestSlowness = 0.05;
-// And between which it is taken to lie: a frame that shows next to nothing, or
-// triangles behind others, says little.
-constexpr double kFastest = 0.6, kSlowest = 10;
 // The share of a frame in how far off the model of polygons is, and the most that a trial says.
 constexpr double kNewestOff = 0.2, kMostOffOfTrial = 2;
-// What may have been measured beside other programs, and is not measured again, is forgotten by so
-// much a frame.
-constexpr double kForgotten = 0.005;
-// The machine at its best: by how much it is taken to be slower with each frame that does not say
-// otherwise, and how many say little.
-constexpr double kCalmGrows = 0.002;
-constexpr int kFewCounted = 10;
 // The cache's frames that capture most.
 constexpr int kFirstCaptures = 5;
 // With OpenGL frames overlap: one in so many is waited for, to be timed.
@@ -102,10 +90,11 @@ Result<std::unique_ptr<AutoFrames>> AutoFrames::create(const MethodOptions& opti
 void AutoFrames::look(const Camera& camera) {
   if (frame_ % kLookFrames == 0 || eye_.jumped()) measure_load(camera);
   const FrameLoad& load = load_;
-  outlook_[kDirect] = {true, false, true, slowness_ * load.direct_ms(), 0};
+  outlook_[kDirect] = {true, false, true, slowness_.value() * load.direct_ms(), 0};
   const double direct_mean_ms = decision_->mean_ms(kDirect),
-               direct_ms = direct_mean_ms > 0 ? direct_mean_ms
-                                              : off_[kDirect] * slowness_ * load.direct_ms();
+               direct_ms = direct_mean_ms > 0
+                               ? direct_mean_ms
+                               : off_[kDirect] * slowness_.value() * load.direct_ms();
   outlook_[kCache] = {caches_ && !cheap_ && !shared_chooser_->cache_failed(), false, true, 0, 0};
   outlook_[kCache].prior_ms = kCacheOfDirect * direct_ms;
   if (frame_ > 0 && decision_->mean_ms(kCache) == 0)
@@ -117,10 +106,10 @@ void AutoFrames::look(const Camera& camera) {
     one.preparable = options_.by_clock && !one.ready && !failed_[method];
   }
   // OpenGL's time says nothing of what processors take.
-  const double slow = backend_.drawn_by() == DrawnBy::opengl ? 1 : slowness_;
+  const double slow = backend_.drawn_by() == DrawnBy::opengl ? 1 : slowness_.value();
   outlook_[kRays].guess_ms = slow * load.rays_ms();
   outlook_[kRays].prepare_ms = kOfFrames * slow * kRaysTriangleMs * double(meshes_triangles_);
-  outlook_[kLevels].guess_ms = slowness_ * load.levels_ms();
+  outlook_[kLevels].guess_ms = slowness_.value() * load.levels_ms();
   outlook_[kLevels].prepare_ms = (in_a_hurry(outlook_[kLevels].guess_ms) ? 1 : kOfFrames) * slow *
                                  kLevelsTriangleMs * double(meshes_triangles_);
   AutoOutlook& keyframes = outlook_[kKeyframes];
@@ -155,9 +144,17 @@ void AutoFrames::look(const Camera& camera) {
 // trial may be beside other programs' work.
 void AutoFrames::learn_direct(double ms, bool trial) {
   const double most = trial ? std::max(kMostOffOfTrial, off_[kDirect]) : kMostOff,
-               off = std::clamp(ms / (slowness_ * load_.direct_ms()), 1 / kMostOff, most);
+               off = std::clamp(ms / (slowness_.value() * load_.direct_ms()), 1 / kMostOff, most);
   off_[kDirect] += (off - off_[kDirect]) * newest_share(kNewestOff, ++direct_frames_);
   if (!frames_[kLevels]) off_[kLevels] = off_[kDirect];
+}
+
+// Who draws took `times` what was counted for that. What was measured before took that long,
+// whatever is said of the machine now.
+void AutoFrames::learn_slowness(MachineSlowness::Source source, double times, bool at_most) {
+  const double more = slowness_.add(source, times, at_most);
+  for (double& off : off_)
+    if (off != 1) off = std::clamp(off / more, 1 / kMostOff, kMostOff);
 }
 
 // Is a method whose loss is measured? What was not may be, some time later.
@@ -365,12 +362,11 @@ Result<> AutoFrames::draw(const Camera& camera, double time) {
     ms = counted_ms;
   } else if (timed && !disturbed && !begins && active_ == frames_[kDirect].get() &&
              counted_ms > 0) {
-    const double slowness = std::clamp(ms / counted_ms, kFastest, kSlowest);
-    // Captures of large meshes take many times what is counted for them.
-    if (active_->stats().captures == 0 || slowness < slowness_)
-      slowness_ += (slowness - slowness_) * newest_share(kNewestSlowness, ++counted_frames_);
-    calm_slowness_ = std::min((1 + kCalmGrows) * calm_slowness_, slowness_);
-    if (counted_frames_ < kFewCounted) calm_slowness_ = slowness_;
+    // Captures of large meshes take many times what is counted for them; the first ones are many.
+    const bool captured = active_->stats().captures > 0;
+    if (!captured || frame_ - begun_in_ > kCacheWarmsUp)
+      learn_slowness(choice.draws == kDirect ? MachineSlowness::polygons : MachineSlowness::cache,
+                     ms / counted_ms, captured);
     if (choice.draws == kDirect) {
       learn_direct(ms, choice.reason == AutoReason::trial);
       direct_counted_ = false;
@@ -378,8 +374,7 @@ Result<> AutoFrames::draw(const Camera& camera, double time) {
     if (choice.draws == kDirect && counted_ms > kNotCheap * load_.pixels_ms()) cheap_ = false;
   }
   // What else draws does not say that other programs have ended.
-  if (active_ != frames_[kDirect].get() && slowness_ > calm_slowness_)
-    slowness_ += (calm_slowness_ - slowness_) * kForgotten;
+  if (active_ != frames_[kDirect].get()) slowness_.forget();
   if (timed) decision_->add(ms, disturbed);
   make_part(camera, time, ms);
   stats_ = active_->stats();

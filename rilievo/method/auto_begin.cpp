@@ -11,6 +11,9 @@ namespace {
 // Keyframes begin where direct drawing takes so many times as long, by counts: along flights 3
 // to 6. Nothing is counted where its model is below the second.
 constexpr double kKeyframesPay = 2.75, kKeyframesMayPay = 1.3;
+// A first frame that is counted to take less is drawn twice, ms: keyframes that take much less than
+// polygons are made whatever these take. And what polygons take, usually, of what is counted.
+constexpr double kDrawnAgainMs = 100, kUsuallyOfCounted = 0.7;
 // Levels of detail leave about so many triangles for a pixel of an object's bounds, and so many of
 // an object at least.
 constexpr double kLevelTriangles = 2, kLeastLevel = 300;
@@ -100,13 +103,21 @@ Result<bool> AutoFrames::keyframes_pay(const Camera& camera, double time) {
   if (Result<> drawn = frames_[kDirect]->draw(camera, time); !drawn) return drawn.error();
   begun_drawn_ = true;
   const double counted_ms = load_.by_threads(shared_chooser_->counted_ms());
-  // It touched memory for the first time.
-  begun_ms_ = std::min(watch.ms(), slowness_ * counted_ms);
-  learn_direct(slowness_ * counted_ms, false);
+  // It touched memory for the first time. Where much depends on how long it takes from then on, it
+  // is drawn again.
+  if (counted_ms < kDrawnAgainMs) {
+    const Stopwatch warm;
+    if (Result<> drawn = frames_[kDirect]->draw(camera, time); !drawn) return drawn.error();
+    begun_ms_ = warm.ms();
+    learn_slowness(MachineSlowness::polygons, begun_ms_ / counted_ms, false);
+  } else {
+    begun_ms_ = std::min(watch.ms(), slowness_.value() * kUsuallyOfCounted * counted_ms);
+  }
+  learn_direct(begun_ms_, false);
   direct_counted_ = true;
   cheap_ = counted_ms < load_.pixels_ms();
   const bool keeps_pace =
-      options_.fps > 0 && slowness_ * counted_ms < AutoDecision::kKeepsPace * 1000 / options_.fps;
+      options_.fps > 0 && begun_ms_ < AutoDecision::kKeepsPace * 1000 / options_.fps;
   return !keeps_pace && pay(kKeyframesPay, counted_ms);
 }
 

@@ -21,6 +21,7 @@
 #include "rilievo/method/direct_or_cached.h"
 #include "rilievo/method/frame_fade.h"
 #include "rilievo/method/frame_load.h"
+#include "rilievo/method/machine_slowness.h"
 #include "rilievo/method/method.h"
 #include "rilievo/method/piece_loss.h"
 #include "rilievo/render/rays/ray_visibility.h"
@@ -111,6 +112,7 @@ class AutoFrames final : public FrameSource {
   [[nodiscard]] bool good_enough(int method);
   [[nodiscard]] bool looks_exact(int method) const;
   void learn_direct(double ms, bool trial);
+  void learn_slowness(MachineSlowness::Source source, double times, bool at_most);
   Result<> measure_loss(const Camera& camera, double time, const AutoChoice& choice);
   Result<> measure_loss_of_levels(const Camera& camera, double time);
   void forget_levels();
@@ -170,7 +172,7 @@ class AutoFrames final : public FrameSource {
     bool compared = false;     // with the cache, where both are bad: no single look
     int refusals = 0;          // since it was seen to be good enough
   } loss_[kMethods];
-  double off_[kMethods] = {1, 1, 1, 1, 1};  // times as much as its model says
+  double off_[kMethods] = {1, 1, 1, 1, 1};  // times as much as its model says; 1: not measured
   std::optional<double> cache_loss_;        // none: not known
   std::unique_ptr<FrameLoss> losses_;       // of the other thread, while something is prepared
   std::optional<FrameLoss> looks_;          // at levels that draw, by the same rays
@@ -182,10 +184,9 @@ class AutoFrames final : public FrameSource {
   int begun_in_ = 0;                    // frame
   bool begun_drawn_ = false;            // polygons drew the first frame, to find out
   double begun_ms_ = 0;                 // what that took
-  int frame_ = 0, counted_frames_ = 0, direct_frames_ = 0, drawn_by_ = kDirect;
+  int frame_ = 0, direct_frames_ = 0, drawn_by_ = kDirect;
   bool direct_counted_ = false;  // how far off polygons' model is was counted, not timed
-  double slowness_ = 1;          // times as slow as the machine of FrameLoad
-  double calm_slowness_ = 1;     // the same, without other programs
+  MachineSlowness slowness_;
   bool hurries_ = false;
   std::optional<IdleThread> beside_;  // last: it ends first
 };

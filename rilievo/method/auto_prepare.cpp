@@ -19,8 +19,8 @@ constexpr int kKeyframesAgain = 80;
 // What takes that time, beside what draws, or beside direct drawing until that is known?
 bool AutoFrames::in_a_hurry(double guess_ms) const {
   const double least = decision_->drawn_ms() > 0
-                           ? std::min(decision_->drawn_ms(), slowness_ * load_.direct_ms())
-                           : slowness_ * load_.direct_ms();
+                           ? std::min(decision_->drawn_ms(), slowness_.value() * load_.direct_ms())
+                           : slowness_.value() * load_.direct_ms();
   return guess_ms < kHurry * least;
 }
 
@@ -223,7 +223,7 @@ Result<> AutoFrames::adopt() {
   const double ms = made_.found.processor_ms / threads_;
   if (method == kLevels && levels_.levels && stage_ == Preparing::looked_at)
     measure_load(made_.shown.camera), looked_triangles_ = load_.level_triangles;
-  const double guess_ms = method == kLevels ? slowness_ * load_.levels_ms()
+  const double guess_ms = method == kLevels ? slowness_.value() * load_.levels_ms()
                                             : outlook_[std::size_t(method)].guess_ms / off_[method];
   if (stage_ == Preparing::looked_at && ms > 0 && guess_ms > 0)
     off_[method] = std::clamp(ms / guess_ms, 1 / kMostOff, kMostOff);
