@@ -198,7 +198,7 @@ int AutoDecision::worth_trying(std::span<const AutoOutlook> outlook, bool ready)
             {candidate.warm_up, likely, expected(i, one), cost.mean_ms > 0, cost.fails}, free_ms(),
             now))
       continue;
-    const double pays = kPaysWithin * candidate.chance * (now - (hope + likely) / 2);
+    const double gains = now - (hope + likely) / 2, pays = kPaysWithin * candidate.chance * gains;
     const bool promises =
         cost.mean_ms == 0 && one.guess_ms > 0 && one.guess_ms <= (1 - kMuchCheaper) * now;
     const double worth = one.prepare_ms > kLittle * now ? kWorthPreparing : 1;
@@ -207,7 +207,8 @@ int AutoDecision::worth_trying(std::span<const AutoOutlook> outlook, bool ready)
     const double chance = ready      ? 1
                           : promises ? std::max(candidate.chance, kLikely)
                                      : candidate.chance;
-    const double gain = chance * (now - hope);
+    // What can draw is tried for what it may have become since.
+    const double gain = ready ? now - hope : chance * gains;
     if (best >= 0 && gain <= most) continue;
     best = i, most = gain;
   }
@@ -320,11 +321,15 @@ AutoChoice AutoDecision::next(std::span<const AutoOutlook> outlook, bool jumped,
     costs_[std::size_t(draws_)].frames = 0;
 
   if (prepares_ >= 0 && !outlook[std::size_t(prepares_)].preparable) prepares_ = -1;
+  bool failed = false;
   if (trials_.goes_on()) {
     const AutoOutlook& tried = outlook[std::size_t(trials_.method())];
     if (jumped || !tried.ready || !tried.good_enough ||
-        trials_.over(free_ms(), costs_[std::size_t(draws_)].mean_ms))
+        trials_.over(free_ms(), costs_[std::size_t(draws_)].mean_ms)) {
+      const int draws = draws_;
       end_trial(outlook);
+      failed = draws_ == draws;
+    }
   }
   if (!trials_.goes_on()) {
     const AutoOutlook& drawing = outlook[std::size_t(draws_)];
@@ -372,7 +377,10 @@ AutoChoice AutoDecision::next(std::span<const AutoOutlook> outlook, bool jumped,
                       plausible(tries, outlook[std::size_t(tries)]));
       }
     }
-    if (warms_up() && !trials_.goes_on() && costs_[std::size_t(draws_)].fails == 0)
+    // What a method takes that warms up again is known: nothing has to wait for that.
+    if (failed && warms_up() && !jumped && settled)
+      prepares_ = worth_trying(outlook, false);
+    else if (warms_up() && !trials_.goes_on() && costs_[std::size_t(draws_)].fails == 0)
       prepares_ = plainly_worth_preparing(outlook);
   }
 
