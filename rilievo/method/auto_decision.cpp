@@ -53,6 +53,8 @@ constexpr double kContradicts = AutoTrials::kContradicts;
 // The same of a model that is too rough to say what changes.
 constexpr double kContradictsPrior = 1.5;
 constexpr int kSure = 60;
+// Frames beside other work, after which it is not known what they take without.
+constexpr int kLongDisturbed = 12;
 // A trial that was disturbed is repeated after so many frames, so many times at most.
 constexpr int kRepeat = 20, kMostRepeats = 2;
 constexpr int kWarmsUpLong = AutoTrials::kWarmsUpLong;
@@ -346,7 +348,10 @@ AutoChoice AutoDecision::next(std::span<const AutoOutlook> outlook, bool jumped,
       if (to >= 0) change(to), reason_ = AutoReason::leaves;
     }
     const bool settled = unsettled_ == 0 || unsettled_ > kUnsettled;
-    if (costs_[std::size_t(draws_)].frames >= AutoTrials::kFrames) {
+    // What was prepared waits for some frames without.
+    const bool known = disturbed || disturbed_ <= kLongDisturbed;
+    if (!known || costs_[std::size_t(draws_)].frames < AutoTrials::kFrames) prepares_ = -1;
+    if (known && costs_[std::size_t(draws_)].frames >= AutoTrials::kFrames) {
       const int best = best_known(outlook);
       const double now = costs_[std::size_t(draws_)].mean_ms;
       const bool warm = !warms_up();
@@ -464,8 +469,11 @@ void AutoDecision::add(double ms, bool disturbed) {
   trials_.add_other(ms);
   if (trials_.doubted() >= 0) doubt_failed(ms);
   Cost& cost = costs_[std::size_t(draws_)];
-  // What a frame takes beside other work is no more than it takes.
+  // What a frame takes beside other work is no more than it takes. After much of that the mean is
+  // of long ago: it begins anew.
   if (disturbed && cost.frames >= AutoTrials::kFrames) ms = std::min(ms, cost.mean_ms);
+  if (!disturbed && disturbed_ > kLongDisturbed) cost.frames = std::min(cost.frames, 1);
+  disturbed_ = disturbed ? disturbed_ + 1 : 0;
   // The first frames of a method that warms up are not what it takes: they are forgotten soon.
   const int warm_up = candidates_[std::size_t(draws_)].warm_up;
   const bool warms_up = since_change_ <= warm_up;

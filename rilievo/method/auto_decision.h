@@ -169,6 +169,7 @@ class AutoDecision {
   int less_ = 0;                   // frames in a row of what draws that took far less than the mean
   double less_ms_ = 0;             // all of those
   double last_ms_ = 0;             // of what draws
+  int disturbed_ = 0;              // frames in a row
   std::vector<double> guesses_;    // of this frame
 };
 

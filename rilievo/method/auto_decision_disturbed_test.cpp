@@ -138,5 +138,30 @@ TEST(AutoDecisionDisturbed, a_method_whose_first_frames_were_slow_is_tried_again
         }
 }
 
+// As in scan-orbit: while keyframes were made the machine became 1.4 times as slow. What drew was
+// taken to take what it did before, so that keyframes, which take 0.85 of it, lost their trial.
+TEST(AutoDecisionDisturbed, what_drew_while_something_was_made_is_measured_again) {
+  for (const int making : {20, 60, 200}) {
+    const AutoCandidate candidates[] = {{"direct", 0}, {"keyframes", 3, 1, 0.5, 48}};
+    AutoDecision decision(candidates, 0);
+    int made = 0, drawn = 0, first = -1;
+    for (int frame = 0; frame < 30 + making + 40; ++frame) {
+      const bool ready = made >= making, beside = made > 0 && !ready;
+      const AutoOutlook outlook[] = {
+          {.ready = true},
+          {.ready = ready, .preparable = frame >= 30, .guess_ms = 7, .prepare_ms = 10}};
+      const AutoChoice choice = decision.next(outlook, false, beside);
+      made += beside || choice.prepares == 1;
+      drawn += choice.draws == 1;
+      if (choice.draws == 1 && first < 0) first = frame;
+      const double slow = made > 0 ? 1.4 : 1;
+      decision.add(slow * (choice.draws == 1 ? 8.5 : 10), beside);
+    }
+    // Some frames say what it takes now.
+    EXPECT_LE(first, 30 + making + 5) << making;
+    EXPECT_GE(drawn, 30) << making;
+  }
+}
+
 }  // namespace
 }  // namespace rilievo
