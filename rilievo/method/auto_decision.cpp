@@ -42,8 +42,9 @@ constexpr double kMostSlower = 1.25;
 constexpr int kLeastForMedian = 3;
 // What draws may take so much more for so many frames before anything is concluded.
 constexpr int kUnsettled = 12;
-// The share of a frame in what a method took at its best, where it takes more.
-constexpr double kNewestCalm = 0.02;
+// By how much what a method took at its best grows with each frame in which it takes more. Not by a
+// share of that frame: other programs make some take five times as much.
+constexpr double kBestGrows = 0.015;
 // Frames in a row of at most this share of the mean are not by chance.
 constexpr double kNotByChance = 0.87;
 constexpr int kLessInARow = 3;
@@ -174,6 +175,7 @@ int AutoDecision::best_known(std::span<const AutoOutlook> outlook) const {
     const AutoOutlook& one = outlook[std::size_t(i)];
     if (i == draws_ || !one.ready || !one.good_enough || cost.mean_ms == 0 || cost.age > kKnown)
       continue;
+    if (!comparable(i, outlook)) continue;
     const double ms = unexplained(i) * expected(i, one);
     if (!better(ms, i, best_ms, best)) continue;
     best = i, best_ms = ms;
@@ -191,6 +193,7 @@ int AutoDecision::worth_trying(std::span<const AutoOutlook> outlook, bool ready)
     const AutoOutlook& one = outlook[std::size_t(i)];
     if (i == draws_ || !(ready ? one.ready : one.preparable) || !one.good_enough) continue;
     if (cost.fails > 0 && cost.age < cost.gap) continue;
+    if (ready && !comparable(i, outlook)) continue;
     const double hope = hoped(i, one), likely = std::max(plausible(i, one), hope);
     const AutoCandidate& candidate = candidates_[std::size_t(i)];
     if (!better(hope, i, now, draws_)) continue;
@@ -364,8 +367,7 @@ AutoChoice AutoDecision::next(std::span<const AutoOutlook> outlook, bool jumped,
                       : AutoReason::cheapest;
       } else if (warm) {
         const bool slow = last_ms_ > AutoTrials::kMuch * now;
-        int tries = disturbed || slow ? -1 : worth_trying(outlook, true);
-        if (!settled && tries >= 0 && !less_than_calm(tries, outlook)) tries = -1;
+        const int tries = disturbed || slow ? -1 : worth_trying(outlook, true);
         if (settled) prepares_ = worth_trying(outlook, false);
         // What is prepared would disturb the trial.
         if (tries >= 0) prepares_ = -1;
@@ -405,8 +407,11 @@ AutoChoice AutoDecision::next(std::span<const AutoOutlook> outlook, bool jumped,
   return choice;
 }
 
-// Does it take less than what draws did at its best? Then it is tried, whatever makes that slow.
-bool AutoDecision::less_than_calm(int i, std::span<const AutoOutlook> outlook) const {
+// May it be compared with what draws? While that takes much more than it did at its best, and its
+// model does not say why, other programs may have slowed down all that would draw: then only if it
+// takes less than that did at its best.
+bool AutoDecision::comparable(int i, std::span<const AutoOutlook> outlook) const {
+  if (unsettled_ == 0) return true;
   const Cost& cost = costs_[std::size_t(draws_)];
   const double guess_ms = outlook[std::size_t(draws_)].guess_ms;
   const double calm_ms = cost.calm * (cost.calm_of_guess ? guess_ms : 1);
@@ -426,7 +431,7 @@ void AutoDecision::note_calm(Cost& cost) {
   if (cost.calm == 0 || cost.calm_of_guess != of_guess || now < cost.calm)
     cost.calm = now;
   else if (now <= AutoTrials::kMuch * cost.calm || unsettled_ >= kUnsettled)
-    cost.calm += (now - cost.calm) * kNewestCalm;
+    cost.calm = std::min(now, (1 + kBestGrows) * cost.calm);
   cost.calm_of_guess = of_guess;
   unsettled_ = now > AutoTrials::kMuch * cost.calm ? unsettled_ + 1 : 0;
 }

@@ -14,9 +14,9 @@
 // Each trial that fails doubles the time to the next one of that method. So a walk on which nothing
 // changes costs next to nothing, and where the costs change the next trial is soon.
 //
-// Other programs slow some frames down. So no trial begins, and nothing is changed for, while what
-// draws takes much more than it did and its model does not say why, for a dozen frames, unless what
-// is tried takes less than that did at its best; a trial
+// Other programs slow some frames down. So while what draws takes much more than it did at its
+// best, and its model does not say why, nothing is tried and nothing is changed for but what takes
+// less than that did; after a dozen such frames that begins to grow. A trial
 // after which what draws takes much more, too, does not count; and what took much more than it took
 // at its best, or of few frames than its model says, is tried again after its gap as if it took
 // that.
@@ -146,7 +146,7 @@ class AutoDecision {
   [[nodiscard]] bool warms_up() const;
   void change(int to);
   void end_trial(std::span<const AutoOutlook> outlook);
-  [[nodiscard]] bool less_than_calm(int i, std::span<const AutoOutlook> outlook) const;
+  [[nodiscard]] bool comparable(int i, std::span<const AutoOutlook> outlook) const;
   [[nodiscard]] double over_guess(double ms) const;
   void note_calm(Cost& cost);
   void note_less(Cost& cost, double ms);
