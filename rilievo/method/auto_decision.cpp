@@ -56,8 +56,6 @@ constexpr double kContradictsPrior = 1.5;
 constexpr int kSure = 60;
 // Frames beside other work, after which it is not known what they take without.
 constexpr int kLongDisturbed = 12;
-// A trial that was disturbed is repeated after so many frames, so many times at most.
-constexpr int kRepeat = 20, kMostRepeats = 2;
 constexpr int kWarmsUpLong = AutoTrials::kWarmsUpLong;
 
 double doubt(int age) { return std::min(kMostDoubt, kDoubt * std::sqrt(double(age))); }
@@ -274,7 +272,7 @@ void AutoDecision::change(int to) {
   draws_ = to;
   costs_[std::size_t(to)].recent.forget();
   since_change_ = 0;
-  unsettled_ = less_ = 0, last_ms_ = 0, trials_.forget_failed();
+  unsettled_ = less_ = 0, last_ms_ = 0;
   ++recent_changes_;
 }
 
@@ -286,7 +284,6 @@ void AutoDecision::end_trial(std::span<const AutoOutlook> outlook) {
   const AutoOutlook& now = outlook[std::size_t(tried)];
   Cost& cost = costs_[std::size_t(tried)];
   const Cost& drawing = costs_[std::size_t(draws_)];
-  before_failed_ = cost;
   cost.mean_ms = found->mean_ms;
   cost.guess_ms = now.guess_ms;
   cost.frames = found->frames, cost.age = 0, cost.slow = slow_;
@@ -298,7 +295,6 @@ void AutoDecision::end_trial(std::span<const AutoOutlook> outlook) {
     reason_ = AutoReason::cheapest;
     return;
   }
-  trials_.failed(tried, drawing.calm);
   // It warms up again.
   if (candidates_[std::size_t(draws_)].warm_up >= kWarmsUpLong) since_change_ = 0;
   cost.gap = gap_after(cost.fails, found->close);
@@ -313,11 +309,11 @@ AutoChoice AutoDecision::next(std::span<const AutoOutlook> outlook, bool jumped,
     if (i != draws_) cost.age += jumped ? kJumpAges : 1;
     if (!jumped) continue;
     // What was learned is of another place.
-    cost.fails = cost.repeats = 0;
+    cost.fails = 0;
     cost.frames = std::min(cost.frames, 2);
     cost.recent.forget();
   }
-  if (jumped) trials_.forget_failed(), less_ = 0;
+  if (jumped) less_ = 0;
   ++since_change_;
   recent_changes_ = jumped ? 0 : kStaysRecent * recent_changes_;
   // The frames of a warm-up are forgotten when it is over.
@@ -447,24 +443,6 @@ void AutoDecision::note_less(Cost& cost, double ms) {
   less_ = 0;
 }
 
-// After a trial that failed: if what draws takes much more, too, something else took the time, and
-// nothing was found.
-void AutoDecision::doubt_failed(double ms) {
-  const int tried = trials_.doubted();
-  Cost& cost = costs_[std::size_t(tried)];
-  if (cost.repeats >= kMostRepeats) {
-    trials_.forget_failed();
-    return;
-  }
-  const bool warms_up = candidates_[std::size_t(draws_)].warm_up >= kWarmsUpLong;
-  if (!trials_.was_disturbed(over_guess(ms), warms_up)) return;
-  const int age = cost.age;
-  cost = before_failed_;
-  cost.age += age;
-  cost.gap = cost.age + kRepeat, cost.fails = std::max(cost.fails, 1);
-  ++cost.repeats;
-}
-
 void AutoDecision::add(double ms, bool disturbed) {
   RILIEVO_EXPECTS(drawn_ >= 0);
   if (trials_.goes_on()) {
@@ -472,7 +450,6 @@ void AutoDecision::add(double ms, bool disturbed) {
     return;
   }
   trials_.add_other(ms);
-  if (trials_.doubted() >= 0) doubt_failed(ms);
   Cost& cost = costs_[std::size_t(draws_)];
   // What a frame takes beside other work is no more than it takes. After much of that the mean is
   // of long ago: it begins anew.

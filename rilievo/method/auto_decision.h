@@ -16,10 +16,9 @@
 //
 // Other programs slow some frames down. So while what draws takes much more than it did at its
 // best, and its model does not say why, nothing is tried and nothing is changed for but what takes
-// less than that did; after a dozen such frames that begins to grow. A trial
-// after which what draws takes much more, too, does not count; and what took much more than it took
-// at its best, or of few frames than its model says, is tried again after its gap as if it took
-// that.
+// less than that did; after a dozen such frames that begins to grow. What took much more than it
+// took at its best, or of few frames than its model says, is tried again after its gap as if it
+// took that.
 //
 // A method is changed for one that is cheaper by kGain, or, unless what draws warms up for long, as
 // cheap and of a better quality. With a pace, of all that keep it the best in quality is taken. The
@@ -126,7 +125,6 @@ class AutoDecision {
     int age = 0;                // frames since
     int gap = 0;                // the least age for the next trial
     int fails = 0;              // trials in a row
-    int repeats = 0;            // of trials that something else disturbed
     int measured = 0;           // frames, in all
     // The median of what the last ones took at its best, of late; over the model's if it has one.
     double calm = 0;
@@ -150,7 +148,6 @@ class AutoDecision {
   [[nodiscard]] double over_guess(double ms) const;
   void note_calm(Cost& cost);
   void note_less(Cost& cost, double ms);
-  void doubt_failed(double ms);
 
   std::vector<AutoCandidate> candidates_;
   std::vector<Cost> costs_;
@@ -164,7 +161,6 @@ class AutoDecision {
   double slow_ = 1;
   AutoTrials trials_;
   bool tried_in_warm_up_ = false;  // the last trial began while what draws warmed up
-  Cost before_failed_;             // of what trials_ doubts, before its trial
   int unsettled_ = 0;              // frames for which what draws has taken much more than it did
   int less_ = 0;                   // frames in a row of what draws that took far less than the mean
   double less_ms_ = 0;             // all of those

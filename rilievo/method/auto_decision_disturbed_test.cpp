@@ -93,6 +93,22 @@ TEST(AutoDecisionDisturbed, what_has_become_dearer_is_left_within_two_seconds) {
     }
 }
 
+// What draws has become dearer by itself, so that it seems to be slow after each trial: that says
+// nothing of the trial.
+TEST(AutoDecisionDisturbed, what_is_no_cheaper_is_not_tried_again_because_what_draws_is_slow) {
+  int tried = 0, walks = 0;
+  for (const double dearer : {1.4, 2.0})
+    for (int from = 60; from < 180; from += 3) {
+      const auto ms = [&](int frame) { return frame < from ? 20 : 20 * dearer; };
+      const std::vector<Simulated> methods{{{"a", 1}, ms},
+                                           {{"b", 1, 1}, always(1.05 * 20 * dearer)}};
+      tried += walk(methods, 0, 600, 0.1, std::uint32_t(from)).drawn[1];
+      ++walks;
+    }
+  // Two trials of ten frames that are close, and one that is not.
+  EXPECT_LE(tried, 22 * walks);
+}
+
 // Methods of which each may be the cheapest; other programs take four fifths of the time for some
 // frames of the walk.
 std::vector<Simulated> three_methods(double direct, double cache, double levels) {

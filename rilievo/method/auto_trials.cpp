@@ -23,9 +23,8 @@ constexpr double kWarmUpMore = 0.3;
 constexpr double kMostMore = 5;
 // A frame of a trial is counted as at most so many frames: more is the work of another program.
 constexpr double kMostOfFrame = 2;
-// So many slow frames in a row after a trial say that it was disturbed.
-constexpr int kSlowAfter = 2;
-constexpr double kMuchOfWarmUp = 2;
+// What fails is known after so many frames.
+constexpr int kFailsIn = 2;
 
 // The mean without the largest, which may be the work of another program, and of others that take
 // much as of frames that are no trial.
@@ -53,7 +52,7 @@ bool AutoTrials::affords(const TrialOutlook& outlook, double free_ms, double now
   // What is hoped for against what was measured is tried once for nothing.
   const double measured = std::min(outlook.expected_ms, kMostOfFrame * free_ms);
   if (outlook.fails >= 2 && measured > kContradicts * outlook.likely_ms)
-    expense += kSlowAfter * std::max(0.0, measured - free_ms);
+    expense += kFailsIn * std::max(0.0, measured - free_ms);
   // The time of two frames is free.
   return expense <= 0 || trials_ms_ + expense <= 2 * now_ms + kShare * all_ms_;
 }
@@ -61,14 +60,13 @@ bool AutoTrials::affords(const TrialOutlook& outlook, double free_ms, double now
 void AutoTrials::begin(int method, int warm_up, double expected_ms) {
   RILIEVO_EXPECTS(method >= 0 && !goes_on());
   method_ = method, warm_up_ = warm_up, expected_ms_ = expected_ms;
-  ms_.clear(), cost_ms_ = 0;
+  ms_.clear();
 }
 
 void AutoTrials::add(double ms, double free_ms) {
   all_ms_ += ms;
   ms_.push_back(ms);
-  const double more_ms = std::max(0.0, std::min(ms, kMostOfFrame * free_ms) - free_ms);
-  trials_ms_ += more_ms, cost_ms_ += more_ms;
+  trials_ms_ += std::max(0.0, std::min(ms, kMostOfFrame * free_ms) - free_ms);
 }
 
 // Its last frames take so much more that others would, too.
@@ -106,20 +104,6 @@ std::optional<AutoTrials::Found> AutoTrials::end() {
                     drawn - warm_up_ >= kCloseFrames};
   ms_.clear();
   return found;
-}
-
-void AutoTrials::failed(int method, double usual) { failed_ = method, usual_ = usual, slow_ = 0; }
-
-bool AutoTrials::was_disturbed(double over_guess, bool warms_up) {
-  RILIEVO_EXPECTS(failed_ >= 0);
-  if (usual_ == 0 || over_guess <= (warms_up ? kMuchOfWarmUp : kMuch) * usual_) {
-    failed_ = -1;
-    return false;
-  }
-  if (++slow_ < kSlowAfter) return false;
-  trials_ms_ -= cost_ms_;
-  failed_ = -1;
-  return true;
 }
 
 }  // namespace rilievo

@@ -2,8 +2,7 @@
 //
 // A trial begins only where it can be afforded: all of them together may take kShare of all time,
 // and two frames more. It ends once its frames say enough, and at once where they take so much that
-// more of them are not worth it. One after which what draws takes much more, too, was disturbed by
-// other programs: it does not count, and is repeated.
+// more of them are not worth it.
 //
 // AutoDecision (auto_decision.h) says which method is worth a trial, and what follows from what was
 // found. Milliseconds a frame.
@@ -65,26 +64,13 @@ class AutoTrials {
   // Ends it. None: it has drawn nothing.
   [[nodiscard]] std::optional<Found> end();
 
-  // The last one failed, while what draws took `usual`, as over its model; 0: unknown.
-  void failed(int method, double usual);
-  // Nothing will be said any more of the last one that failed.
-  void forget_failed() { failed_ = -1; }
-  // The one that failed last, while frames after it say whether it was disturbed; -1: none.
-  [[nodiscard]] int doubted() const { return failed_; }
-  // After one that failed what draws took that, over its model. True: the trial was disturbed, and
-  // costs nothing. `warms_up`: what draws does so again, and takes more anyway.
-  [[nodiscard]] bool was_disturbed(double over_guess, bool warms_up);
-
  private:
   [[nodiscard]] bool hopeless(double free_ms) const;
 
   int method_ = -1, warm_up_ = 0;
   double expected_ms_ = 0;
   std::vector<double> ms_;
-  double cost_ms_ = 0;                 // of this one, or of the last
   double all_ms_ = 0, trials_ms_ = 0;  // of all frames; what all trials have cost
-  int failed_ = -1, slow_ = 0;         // slow_: frames since that took much more, in a row
-  double usual_ = 0;
 };
 
 }  // namespace rilievo

@@ -146,37 +146,5 @@ TEST(AutoTrials, what_is_hoped_against_what_was_measured_is_an_expense_after_two
   EXPECT_TRUE(trials.affords(outlook, kNow, kNow));
 }
 
-// Two slow frames of what draws, right after it.
-TEST(AutoTrials, one_after_which_all_is_slow_was_disturbed) {
-  const auto disturbed_after = [](const std::vector<double>& over, bool warms_up, double usual) {
-    AutoTrials trials(12);
-    trials.failed(2, usual);
-    for (std::size_t i = 0; i < over.size() && trials.doubted() == 2; ++i)
-      if (trials.was_disturbed(over[i], warms_up)) return int(i) + 1;
-    return 0;
-  };
-  EXPECT_EQ(disturbed_after({1.4, 1.4}, false, 1), 2);
-  EXPECT_EQ(disturbed_after({1.4, 1, 1.4, 1.4}, false, 1), 0);
-  EXPECT_EQ(disturbed_after({1.2, 1.4, 1.4}, false, 1), 0);
-  // What warms up again takes more anyway.
-  EXPECT_EQ(disturbed_after({1.4, 1.4}, true, 1), 0);
-  EXPECT_EQ(disturbed_after({2.1, 2.1}, true, 1), 2);
-  EXPECT_EQ(disturbed_after({9, 9}, false, 0), 0);  // it is not known what is usual
-}
-
-TEST(AutoTrials, one_that_was_disturbed_costs_nothing) {
-  AutoTrials trials(12);
-  const TrialOutlook dear{.warm_up = 1, .likely_ms = 25, .expected_ms = 25};
-  trials.begin(1, 1, 0);
-  for (int i = 0; i < 2; ++i) trials.add(60, kNow);
-  EXPECT_TRUE(trials.end());
-  EXPECT_FALSE(trials.affords(dear, kNow, kNow));
-  trials.failed(1, 1);
-  EXPECT_FALSE(trials.was_disturbed(3, false));
-  EXPECT_TRUE(trials.was_disturbed(3, false));
-  EXPECT_EQ(trials.doubted(), -1);
-  EXPECT_TRUE(trials.affords(dear, kNow, kNow));
-}
-
 }  // namespace
 }  // namespace rilievo
