@@ -38,7 +38,8 @@ constexpr double kLittle = 2;
 constexpr double kMostSlower = 1.25;
 
 // A frame that takes AutoTrials::kMuch times the median of so many of the last ones, at least,
-// counts as that: other programs slow some frames in a row down by much more.
+// counts as that, unless such frames come back (dear_frames.h): other programs slow some frames in
+// a row down by much more.
 constexpr int kLeastForMedian = 3;
 // What draws may take so much more for so many frames before anything is concluded.
 constexpr int kUnsettled = 12;
@@ -270,7 +271,7 @@ void AutoDecision::change(int to) {
   left.gap = gap_after(left.fails, close);
   ++left.fails;
   draws_ = to;
-  costs_[std::size_t(to)].recent.forget();
+  costs_[std::size_t(to)].recent.forget(), costs_[std::size_t(to)].dear.forget();
   since_change_ = 0;
   unsettled_ = less_ = 0, last_ms_ = 0;
   ++recent_changes_;
@@ -288,7 +289,7 @@ void AutoDecision::end_trial(std::span<const AutoOutlook> outlook) {
   cost.guess_ms = now.guess_ms;
   cost.frames = found->frames, cost.age = 0, cost.slow = slow_;
   cost.measured += cost.frames;
-  cost.recent.set(cost.mean_ms, cost.frames);
+  cost.recent.set(cost.mean_ms, cost.frames), cost.dear.forget();
   const double drawing_ms = (tried_in_warm_up_ ? kPlainlyWorth : 1) * drawing.mean_ms;
   if (now.ready && now.good_enough && better(cost.mean_ms, tried, drawing_ms, draws_)) {
     change(tried);
@@ -311,7 +312,7 @@ AutoChoice AutoDecision::next(std::span<const AutoOutlook> outlook, bool jumped,
     // What was learned is of another place.
     cost.fails = 0;
     cost.frames = std::min(cost.frames, 2);
-    cost.recent.forget();
+    cost.recent.forget(), cost.dear.forget();
   }
   if (jumped) less_ = 0;
   ++since_change_;
@@ -319,7 +320,7 @@ AutoChoice AutoDecision::next(std::span<const AutoOutlook> outlook, bool jumped,
   // The frames of a warm-up are forgotten when it is over.
   const int warm_up = candidates_[std::size_t(draws_)].warm_up;
   if (warm_up >= kWarmsUpLong && since_change_ == warm_up + 1)
-    costs_[std::size_t(draws_)].frames = 0;
+    costs_[std::size_t(draws_)].frames = 0, costs_[std::size_t(draws_)].dear.forget();
 
   if (prepares_ >= 0 && !outlook[std::size_t(prepares_)].preparable) prepares_ = -1;
   bool failed = false;
@@ -435,11 +436,11 @@ void AutoDecision::note_calm(Cost& cost) {
 // Frames that take far less than the mean, so many in a row, are what the method takes from now on:
 // what slow frames have left in the mean would take a dozen more to be forgotten, in which a method
 // that is no faster seems to be.
-void AutoDecision::note_less(Cost& cost, double ms) {
-  less_ = ms < kNotByChance * cost.mean_ms ? less_ + 1 : 0;
+void AutoDecision::note_less(double& mean_ms, double ms) {
+  less_ = ms < kNotByChance * mean_ms ? less_ + 1 : 0;
   less_ms_ = less_ == 1 ? ms : less_ms_ + ms;
   if (less_ < kLessInARow) return;
-  cost.mean_ms = less_ms_ / less_;
+  mean_ms = less_ms_ / less_;
   less_ = 0;
 }
 
@@ -464,10 +465,15 @@ void AutoDecision::add(double ms, bool disturbed) {
   ++cost.measured, last_ms_ = ms;
   if (!warms_up && cost.recent.count() >= kLast) note_calm(cost);
   const double before_ms = cost.mean_ms, guess_ms = guesses_[std::size_t(draws_)];
-  if (!warms_up && cost.recent.count() >= kLeastForMedian)
-    ms = std::min(ms, AutoTrials::kMuch * cost.recent.median());
-  cost.mean_ms += (ms - cost.mean_ms) * newest;
-  note_less(cost, ms);
+  double usual_ms = before_ms - cost.dear.mean_ms();
+  if (!warms_up && cost.recent.count() >= kLeastForMedian) {
+    const double most_ms = AutoTrials::kMuch * cost.recent.median();
+    cost.dear.add(ms, most_ms);
+    ms = std::min(ms, most_ms);
+  }
+  usual_ms += (ms - usual_ms) * newest;
+  if (!cost.dear.come_back()) note_less(usual_ms, ms);
+  cost.mean_ms = usual_ms + cost.dear.mean_ms();
   if (cost.frames > kLast && !disturbed && guess_ms > 0 && cost.guess_ms > 0)
     slow_ *= cost.mean_ms / before_ms * cost.guess_ms / guess_ms;
   cost.age = 0;

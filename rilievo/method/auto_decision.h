@@ -32,6 +32,7 @@
 
 #include "rilievo/core/recent_times.h"
 #include "rilievo/method/auto_trials.h"
+#include "rilievo/method/dear_frames.h"
 
 namespace rilievo {
 
@@ -120,6 +121,7 @@ class AutoDecision {
     double mean_ms = 0;         // of the last frames that it drew; 0: none yet
     double slow = 1;            // slow_ when that was measured
     RecentTimes<kLast> recent;  // what they took since a jump or a change to the method
+    DearFrames dear;            // what some of those add to the mean
     double guess_ms = 0;        // the model's, when that was measured
     int frames = 0;             // in the mean
     int age = 0;                // frames since
@@ -147,7 +149,7 @@ class AutoDecision {
   [[nodiscard]] bool comparable(int i, std::span<const AutoOutlook> outlook) const;
   [[nodiscard]] double over_guess(double ms) const;
   void note_calm(Cost& cost);
-  void note_less(Cost& cost, double ms);
+  void note_less(double& mean_ms, double ms);
 
   std::vector<AutoCandidate> candidates_;
   std::vector<Cost> costs_;

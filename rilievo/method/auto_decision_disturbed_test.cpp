@@ -167,7 +167,9 @@ TEST(AutoDecisionDisturbed, what_draws_is_not_left_for_what_slow_frames_have_lef
             return frame >= from && frame < from + lasts ? much : 1.0;
           };
           const auto drawn = [&](int frames) {
-            return walk(three_methods(60, 65, levels), 0, frames, 0.05, 7, 0, {}, slower).drawn[2];
+            return walk(three_methods(60, 65, levels), 0, frames, 0.05, std::uint32_t(from), 0, {},
+                        slower)
+                .drawn[2];
           };
           // All but the slow frames, and a trial and as many frames again until it ends.
           left += drawn(from + 240) - drawn(from) < 180;
