@@ -6,6 +6,7 @@
 #include "rilievo/core/expects.h"
 #include "rilievo/core/stopwatch.h"
 #include "rilievo/frame/software/software_frames.h"
+#include "rilievo/keyframes/same_view.h"
 #include "rilievo/method/auto_frames.h"
 #include "rilievo/method/cached.h"
 #include "rilievo/method/good_enough.h"
@@ -14,8 +15,8 @@ namespace rilievo {
 namespace {
 
 // The cache's share of direct drawing, while it was not drawn: 0.3 to 0.5 along flights, and 0.7 to
-// 0.9 indoors.
-constexpr double kCacheOfDirect = 0.6;
+// 0.9 indoors; of an eye that stands, whose pictures stay as they are.
+constexpr double kCacheOfDirect = 0.6, kCacheOfStanding = 0.3;
 // What is in view is cheap until direct drawing takes so many times what pixels alone take.
 constexpr double kNotCheap = 1.25;
 // What preparing takes for each triangle of the scene's meshes, ms: rays, levels.
@@ -96,7 +97,10 @@ void AutoFrames::look(const Camera& camera) {
                                ? direct_mean_ms
                                : off_[kDirect] * slowness_.value() * load.direct_ms();
   outlook_[kCache] = {caches_ && !cheap_ && !shared_chooser_->cache_failed(), false, true, 0, 0};
-  outlook_[kCache].prior_ms = kCacheOfDirect * direct_ms;
+  // What polygons took when they drew says nothing of what is in view now.
+  outlook_[kCache].prior_ms =
+      (shown_ && same_view(camera, shown_camera_) ? kCacheOfStanding : kCacheOfDirect) *
+      off_[kDirect] * slowness_.value() * load.direct_ms();
   if (frame_ > 0 && decision_->mean_ms(kCache) == 0)
     outlook_[kCache].guess_ms = outlook_[kCache].prior_ms;
   for (const int method : {int(kRays), int(kLevels), int(kKeyframes)}) {
@@ -165,10 +169,7 @@ bool AutoFrames::good_enough(int method) {
     const double sure = decision_->mean_ms(method) == 0 && !of.compared ? kCertainly
                         : method == kLevels                             ? kOfLevels
                                                                         : 1;
-    const double allowed_db = sure * options_.loss_db;
-    if (!of.db) return true;
-    return method == kKeyframes ? good_beside_cache(*of.db, cache_loss_, allowed_db)
-                                : rilievo::good_enough(*of.db, cache_loss_, allowed_db);
+    return !of.db || rilievo::good_enough(*of.db, cache_loss_, sure * options_.loss_db);
   };
   const int first = method == kKeyframes ? kMakesAgain : kLooksAgain,
             again = std::min(first << std::min(of.refusals, 8), kLooksAgainAtMost);

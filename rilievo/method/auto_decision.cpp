@@ -55,6 +55,8 @@ constexpr double kContradicts = AutoTrials::kContradicts;
 // The same of a model that is too rough to say what changes.
 constexpr double kContradictsPrior = 1.5;
 constexpr int kSure = 60;
+// What is in view has not changed while a rough model says that much of what it did.
+constexpr double kAsMuch = 0.7;
 // Frames beside other work, after which it is not known what they take without.
 constexpr int kLongDisturbed = 12;
 constexpr int kWarmsUpLong = AutoTrials::kWarmsUpLong;
@@ -101,7 +103,8 @@ AutoDecision::AutoDecision(std::span<const AutoCandidate> candidates, int first,
       pace_ms_(pace_ms),
       draws_(first),
       trials_(longest_warm_up(candidates)),
-      guesses_(candidates.size()) {
+      guesses_(candidates.size()),
+      priors_(candidates.size()) {
   RILIEVO_EXPECTS(first >= 0 && first < int(candidates.size()));
 }
 
@@ -198,6 +201,11 @@ int AutoDecision::worth_trying(std::span<const AutoOutlook> outlook, bool ready)
     if (!better(hope, i, now, draws_)) continue;
     // A model knows what has changed since; without one the method may have become cheaper.
     if (one.guess_ms > 0 && likely > kMaySpike * free_ms()) continue;
+    // But what captures when it returns is a frame of several times the time: something in view
+    // must have changed for that.
+    if (candidate.warm_up >= kWarmsUpLong && one.prior_ms > kAsMuch * cost.prior_ms &&
+        cost.prior_ms > 0 && likely > kMaySpike * free_ms())
+      continue;
     if (!trials_.affords(
             {candidate.warm_up, likely, expected(i, one), cost.mean_ms > 0, cost.fails}, free_ms(),
             now))
@@ -265,6 +273,7 @@ void AutoDecision::change(int to) {
   Cost& left = costs_[std::size_t(draws_)];
   left.age = 0, left.slow = slow_;
   left.guess_ms = guesses_[std::size_t(draws_)];
+  left.prior_ms = priors_[std::size_t(draws_)];
   // Methods that take the same must not take turns.
   const bool close =
       std::abs(costs_[std::size_t(to)].mean_ms / left.mean_ms - 1) <= AutoTrials::kClose;
@@ -287,6 +296,7 @@ void AutoDecision::end_trial(std::span<const AutoOutlook> outlook) {
   const Cost& drawing = costs_[std::size_t(draws_)];
   cost.mean_ms = found->mean_ms;
   cost.guess_ms = now.guess_ms;
+  cost.prior_ms = now.prior_ms;
   cost.frames = found->frames, cost.age = 0, cost.slow = slow_;
   cost.measured += cost.frames;
   cost.recent.set(cost.mean_ms, cost.frames), cost.dear.forget();
@@ -306,6 +316,7 @@ AutoChoice AutoDecision::next(std::span<const AutoOutlook> outlook, bool jumped,
   RILIEVO_EXPECTS(outlook.size() == candidates_.size());
   for (int i = 0; i < int(candidates_.size()); ++i) {
     guesses_[std::size_t(i)] = outlook[std::size_t(i)].guess_ms;
+    priors_[std::size_t(i)] = outlook[std::size_t(i)].prior_ms;
     Cost& cost = costs_[std::size_t(i)];
     if (i != draws_) cost.age += jumped ? kJumpAges : 1;
     if (!jumped) continue;

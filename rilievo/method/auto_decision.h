@@ -123,6 +123,7 @@ class AutoDecision {
     RecentTimes<kLast> recent;  // what they took since a jump or a change to the method
     DearFrames dear;            // what some of those add to the mean
     double guess_ms = 0;        // the model's, when that was measured
+    double prior_ms = 0;        // AutoOutlook::prior_ms then
     int frames = 0;             // in the mean
     int age = 0;                // frames since
     int gap = 0;                // the least age for the next trial
@@ -168,7 +169,7 @@ class AutoDecision {
   double less_ms_ = 0;             // all of those
   double last_ms_ = 0;             // of what draws
   int disturbed_ = 0;              // frames in a row
-  std::vector<double> guesses_;    // of this frame
+  std::vector<double> guesses_, priors_;  // of this frame
 };
 
 }  // namespace rilievo

@@ -488,6 +488,30 @@ TEST(AutoDecision, what_gains_most_is_prepared_first_and_at_once) {
   EXPECT_EQ(prepared_in, trial_ended);
 }
 
+// As in trucks-fly: keyframes take half of what the cache took. To return to it is a frame of
+// captures, five times as long: only what is in view can make it worth that, not time alone.
+TEST(AutoDecision, what_is_dear_to_return_to_is_tried_for_what_has_changed) {
+  const AutoCandidate candidates[] = {{"cache", 1, 12}, {"keyframes", 3, 1, 0.5, 48}};
+  AutoDecision decision(candidates, 0);
+  constexpr int kFrames = 3000, kChange = 2500;
+  int last_tried = -1, first_after = -1;
+  for (int frame = 0; frame < kFrames; ++frame) {
+    const bool less = frame >= kChange;  // half of the triangles
+    const AutoOutlook outlook[] = {{.ready = true, .prior_ms = less ? 24.0 : 48.0},
+                                   {.ready = frame > 30, .guess_ms = 30}};
+    const AutoChoice choice = decision.next(outlook);
+    if (frame > 100 && choice.draws == 0) {
+      if (!less) last_tried = frame;
+      if (less && first_after < 0) first_after = frame;
+    }
+    decision.add(choice.draws == 1 ? 30 : less ? 25 : 60);
+  }
+  EXPECT_EQ(last_tried, -1);
+  EXPECT_GE(first_after, kChange);
+  EXPECT_LT(first_after, kChange + 20);
+  EXPECT_EQ(decision.draws(), 0);
+}
+
 TEST(AutoDecision, what_is_prepared_is_not_prepared_again) {
   const AutoCandidate candidates[] = {{"direct", 0}, {"lod", 2, 1}};
   AutoDecision decision(candidates, 0);

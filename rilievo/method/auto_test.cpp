@@ -209,7 +209,10 @@ TEST_F(AutoTest, where_direct_drawing_takes_long_keyframes_begin_if_they_are_goo
     };
     // While the cache captures what it sees at first, and in some frames after.
     while (frame < 8) EXPECT_FALSE(draw(0)) << frame;
-    for (; by_keyframes == 0 && frame < 300;) by_keyframes += draw(0);
+    // Beside other programs they may have to be made again: who waits for a calm frame too long is
+    // of elsewhere.
+    const int most = loss_db > 0 ? 1500 : 300;
+    for (; by_keyframes == 0 && frame < most;) by_keyframes += draw(0);
     EXPECT_EQ(by_keyframes > 0, loss_db > 0);
     // Of what the eye sees after a jump there are none.
     EXPECT_FALSE(draw(1.5));
