@@ -13,11 +13,16 @@ namespace rilievo {
 //             its holes (S2.6), in one instanced draw call; the depth is the slice's
 enum class LayeredMethod { surfaces, slices };
 
-// The most pictures that a pixel looks up.
-inline constexpr int kMaxViewsAsked = 6;
+// The most pictures that a pixel looks up. Pictures from far aside are often wrong in what they
+// hold as certain, as their texels are wide along the ray: with ten a fern is less like itself.
+inline constexpr int kMaxViewsAsked = 8;
 // So many more are at hand, of which each pixel chooses. Along most rays two are enough: with 26
 // more a fern and a flower look the same.
 inline constexpr int kSpareViews = 2;
+
+// Views that are certain decide alone if they have this weight together. Views that begin to fade
+// in have less: the rest is that of the next view.
+inline constexpr float kSureWeight = 0.25f;
 
 // The zone in which views fade into each other, in mean spacings of the views; for all drawers.
 inline constexpr double kHandover = 0.25;

@@ -54,13 +54,20 @@ struct SurfaceWarpOptions {
 // A view's answer is certain if the ray did not pass behind an edge and the view either has a hit
 // or is complete there (LayeredImpostor::complete). Certain answers of the views with weight
 // (handover_weights) are blended; where some have a hit and others have none, the weighted majority
-// decides. If no answer is certain, other views near the eye's direction are looked up until one
-// is, those first that look along the pixel's ray: an eye beside an object sees its sides from
-// other directions than its middle. If none is, nothing is shown where a view sees through
-// (LayeredImpostor::sees_through), else the hit nearest to the eye. If there is no hit either, and
-// in most views the ray passed behind one part of the surface in front of another, and not behind
-// an outline, the pixel lies within the object: it shows a skin between the two parts, with the
-// colour of the farther one.
+// decides. If those that are certain have less weight together than kSureWeight, other views near
+// the eye's direction are looked up until one is certain, and has what lacks of that weight; those
+// first that look along the pixel's ray, as an eye beside an object sees its sides from other
+// directions than its middle, and only as long as they do so more than those with weight that are
+// certain: so nothing changes at once where a view begins to fade in.
+//
+// A view that is not certain knows the ray as far as its first edge, and again from where the ray
+// came out in front after the last one (SurfaceHit::behind_from, behind_to). Where another view
+// knows it as far as there, what the first one says is certain.
+//
+// If none is certain, nothing is shown where a view sees through (LayeredImpostor::sees_through),
+// else the hit nearest to the eye. If there is no hit either, and in most views the ray passed
+// behind one part of the surface in front of another, and not behind an outline, the pixel lies
+// within the object: it shows a skin between the two parts, with the colour of the farther one.
 //
 // Requires a perspective camera.
 [[nodiscard]] DepthImage warp_surfaces(const LayeredImpostor& impostor, const Camera& camera,

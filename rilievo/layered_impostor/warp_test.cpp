@@ -164,6 +164,55 @@ TEST(LayeredWarp, the_weighted_majority_of_views_decides_where_the_outline_is) {
   EXPECT_GT(decided_by_seeing, 20);
 }
 
+// A sample's ray is looked at beside its neighbours' depths alone, without OpenGL.
+TEST(LayeredWarp, a_part_of_a_ray_asks_pictures_in_the_order_of_the_whole_one) {
+  std::mt19937 rng(31);
+  std::uniform_real_distribution<double> unit(0, 1);
+  int met = 0;
+  for (int i = 0; i < 500; ++i) {
+    Box box;
+    box.min = glm::vec3(-random_direction(rng)), box.max = box.min + glm::vec3(1.5f);
+    const glm::dvec3 low(box.min), high(box.max);
+    // From within, too.
+    PixelRay ray{(i % 3 ? 3.0 : 0.5) * random_direction(rng), {}, 0.01, 100};
+    ray.direction = (0.5 + unit(rng)) * (glm::mix(low, high, unit(rng)) - ray.origin);
+    PixelRay part = ray;
+    const RayBounds bounds(box);
+    if (!bounds.keep(ray)) continue;
+    ++met;
+    part.begin = glm::mix(ray.begin, ray.end, 0.5 * unit(rng));
+    part.end = glm::mix(part.begin, ray.end, 0.2 + 0.5 * unit(rng));
+    ASSERT_TRUE(bounds.keep(part));
+    EXPECT_LT(part.end - part.begin, 0.8 * (ray.end - ray.begin));
+    const Camera picture =
+        look_at(4.0 * random_direction(rng), {0, 0, 0}, {0, 1, 0}, 0.8, 8, 8, 1, 9);
+    EXPECT_EQ(looks_along(picture, part), looks_along(picture, ray));
+    // The middle of the points that lie within, in front of the eye.
+    double first = 1e9, last = 0;
+    const double step = 1e-3 * ray.end;
+    for (double t = 0; t < 1.1 * ray.end; t += step) {
+      const glm::dvec3 at = ray.origin + t * ray.direction;
+      if (!glm::all(glm::greaterThan(at, low)) || !glm::all(glm::lessThan(at, high))) continue;
+      first = std::min(first, t), last = t;
+    }
+    // But for a step at either end, and room for rounding.
+    if (first < last) {
+      EXPECT_NEAR(ray.middle, 0.5 * (first + last), 2 * step);
+    }
+  }
+  EXPECT_GT(met, 300);
+}
+
+// The eye_z of a ray's point at t of its segment over a picture.
+double depth_at(const LayeredImpostor& impostor, int view, const PixelRay& ray, double t) {
+  const Camera& picture = impostor.pictures[std::size_t(view)].camera;
+  const DisparitySegment over = *disparity_segment(picture, ray.origin + ray.begin * ray.direction,
+                                                   ray.origin + ray.end * ray.direction);
+  const glm::dvec3 at = glm::mix(over.from, over.to, t);
+  const glm::dvec3 world = world_from_raster(picture, glm::dvec2(at), 1 / at.z);
+  return glm::distance(world, ray.origin) / glm::length(ray.direction);
+}
+
 // Eyes beside the jug, whose nearest picture knows nothing. Each picture has a colour of its own,
 // which tells which one a pixel was taken from.
 TEST(LayeredWarp, where_the_eyes_view_knows_nothing_the_one_along_the_ray_is_asked_first) {
@@ -201,11 +250,22 @@ TEST(LayeredWarp, where_the_eyes_view_knows_nothing_the_one_along_the_ray_is_ask
           return std::acos(
               std::clamp(glm::dot(to_apex, glm::normalize(ray->direction)), -1.0, 1.0));
         };
+        // The first one that is certain, or what one says that came out in front again from where
+        // another one sees.
         const auto first_certain = [&](std::span<const int> order) {
+          int beyond = -2;
+          double beyond_from = 1e300, seen_to = 0;
           for (const int view : order) {
             const SurfaceHit hit = march_picture(*impostor, view, *ray);
-            if (hit.passed_behind || (!hit.hit && !impostor->complete[std::size_t(view)])) continue;
-            return hit.hit ? view : -1;
+            const int says = hit.hit ? view : impostor->complete[std::size_t(view)] ? -1 : -2;
+            if (!hit.passed_behind && says != -2) return says;
+            if (!hit.passed_behind) continue;
+            seen_to = std::max(seen_to, depth_at(*impostor, view, *ray, hit.behind_from));
+            if (says != -2 && hit.behind_to < 1) {
+              const double from = depth_at(*impostor, view, *ray, hit.behind_to);
+              if (from < beyond_from) beyond_from = from, beyond = says;
+            }
+            if (beyond_from <= seen_to) return beyond;
           }
           return -2;
         };

@@ -225,6 +225,8 @@ void Prewarp::State::set_resolve(Frame& f, const Camera& camera) const {
 void Prewarp::State::do_strip(const Frame& f, const Texels& part, Prewarped& result,
                               PrewarpStats& stats) {
   auto& [texels, runs] = scratch.local();
+  if (texels.empty())
+    texels.reserve(most_strip_texels(options.max_size, options.tile_size, kPitchPadding) + 1);
   // One more row than texels, for what misses.
   constexpr ReliefSample kNothing{0xffffffff, 0xffffffff};
   const glm::ivec2 first = part.min - f.all.min, size = part.size();

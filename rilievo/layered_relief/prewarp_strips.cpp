@@ -11,6 +11,9 @@ namespace {
 // A texel is emptied and written, which takes about so long as this share of a sample.
 constexpr double kTexelWork = 1.0 / 6;
 
+// The most rows in the mean.
+int mean_rows(int width, int most) { return std::max(most * most / width, 16); }
+
 // The node of a tile: those of the last level lie in Z-order.
 std::size_t node_of_tile(const LayeredRelief& relief, int x, int y) {
   std::size_t node = 0;
@@ -33,10 +36,18 @@ Stretch moved(int from, int size, double k, double k3, double d0, double d1) {
 }  // namespace
 
 int strip_count(const glm::ivec2& extent, int most, int threads) {
-  const int rows = std::max(most * most / extent.x, 16);
+  const int rows = mean_rows(extent.x, most);
   const int count = (extent.y + rows - 1) / rows;
   if (count > threads) return std::min((count + threads - 1) / threads * threads, extent.y);
   return std::max({count, std::min({kStrips, threads, extent.y / kStripRows}), 1});
+}
+
+int most_strip_rows(int height, int count) { return 2 * ((height + count - 1) / count); }
+
+std::size_t most_strip_texels(int max_size, int most, int padding) {
+  // Of rows of any width w: mean_rows(w) w is at most most * most, or 16 w.
+  const int mean = std::max(most * most, 16 * max_size);
+  return std::size_t(std::min(2 * mean, max_size * max_size) + max_size * padding);
 }
 
 void estimate_work(const LayeredRelief& relief, const ReliefWarp& warp, double resolution,
@@ -75,6 +86,7 @@ void divide_work(const Texels& shown, const std::vector<double>& above, int coun
   const int height = shown.size().y;
   RILIEVO_EXPECTS(count >= 1 && count <= height && above.size() >= 2);
   const double rows = double(height) / double(above.size() - 1);
+  const int highest = most_strip_rows(height, count);
   int from = 0;
   std::size_t band = 0;
   for (int i = 1; i <= count; ++i) {
@@ -84,7 +96,9 @@ void divide_work(const Texels& shown, const std::vector<double>& above, int coun
       while (band + 2 < above.size() && above[band + 1] < work) ++band;
       const double share = (work - above[band]) / (above[band + 1] - above[band]);
       const int row = int(std::lround((double(band) + std::clamp(share, 0.0, 1.0)) * rows));
-      to = std::clamp(row, from + 1, height - (count - i));
+      const int rest = count - i;
+      to = std::clamp(row, std::max(from + 1, height - rest * highest),
+                      std::min(from + highest, height - rest));
     }
     strips.push_back({{shown.min.x, shown.min.y + from}, {shown.max.x, shown.min.y + to}});
     from = to;

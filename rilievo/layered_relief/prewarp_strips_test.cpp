@@ -29,6 +29,7 @@ TEST(PrewarpStrips, are_as_many_as_threads_if_these_are_few_and_a_multiple_of_th
 TEST(PrewarpStrips, have_equal_shares_of_the_work_to_a_row) {
   std::mt19937 rng(4);
   std::uniform_real_distribution<double> unit(0, 1);
+  int free = 0;
   for (int i = 0; i < sanitized_cases(200); ++i) {
     const int height = 100 + int(rng() % 900), count = 1 + int(rng() % 6);
     const int bands = 1 + int(rng() % 80);
@@ -37,6 +38,7 @@ TEST(PrewarpStrips, have_equal_shares_of_the_work_to_a_row) {
     // A band in ten has most of it.
     for (int band = 0; band < bands; ++band)
       above.push_back(above.back() + (rng() % 10 ? 1 : 20) * (0.2 + unit(rng)));
+    const int highest = most_strip_rows(height, count);
     const auto work_above = [&](int row) {
       const double at = double(row) / height * bands;
       const int band = std::min(int(at), bands - 1);
@@ -53,13 +55,43 @@ TEST(PrewarpStrips, have_equal_shares_of_the_work_to_a_row) {
       EXPECT_EQ(strip.max.x, shown.max.x);
       EXPECT_GT(strip.max.y, strip.min.y);
       from = strip.max.y;
-      // The share lies within a row of where the strip ends.
+      EXPECT_LE(strip.size().y, highest);
+      // The share lies within a row of where the strip ends, unless it or those after it were
+      // higher than a strip may be.
       const int end = from - shown.min.y;
+      if (strip.size().y == highest || height - end == highest * (count - k - 1)) continue;
+      ++free;
       EXPECT_GE(above.back() * (k + 1) / count, work_above(end - 1) - 1e-9);
       EXPECT_LE(above.back() * (k + 1) / count, work_above(std::min(end + 1, height)) + 1e-9);
     }
     EXPECT_EQ(from, shown.max.y);
   }
+  EXPECT_GT(free, sanitized_cases(200));
+}
+
+// All the work lies in the first rows, or in the last ones.
+TEST(PrewarpStrips, fit_into_the_memory_of_a_thread_wherever_the_work_lies) {
+  std::mt19937 rng(6);
+  std::size_t largest = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const int max_size = 16 + int(rng() % 2000), most = 16 + int(rng() % 1100);
+    const int padding = int(rng() % 9);
+    const glm::ivec2 size{1 + int(rng() % unsigned(max_size)), 1 + int(rng() % unsigned(max_size))};
+    std::vector<double> above(65, i % 2 ? 1.0 : 0.0);
+    above.front() = 0, above.back() = 1;
+    for (std::size_t k = 1; k + 1 < above.size(); ++k) above[k] += 1e-6 * double(k);
+    above.back() += 1e-6 * double(above.size());
+    std::vector<Texels> strips;
+    divide_work({{0, 0}, size}, above, strip_count(size, most, 1 + int(rng() % 16)), strips);
+    const std::size_t room = most_strip_texels(max_size, most, padding);
+    for (const Texels& strip : strips) {
+      const std::size_t texels = std::size_t(strip.size().y) * std::size_t(size.x + padding);
+      EXPECT_LE(texels, room) << size.x << " " << size.y << " " << max_size << " " << most;
+      largest = std::max(largest, 100 * texels / room);
+    }
+  }
+  // In percent: no room is wasted.
+  EXPECT_GT(largest, 90u);
 }
 
 TEST(PrewarpStrips, work_is_estimated_where_the_samples_land) {

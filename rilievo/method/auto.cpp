@@ -169,7 +169,10 @@ bool AutoFrames::good_enough(int method) {
     const double sure = decision_->mean_ms(method) == 0 && !of.compared ? kCertainly
                         : method == kLevels                             ? kOfLevels
                                                                         : 1;
-    return !of.db || rilievo::good_enough(*of.db, cache_loss_, sure * options_.loss_db);
+    const double allowed_db = sure * options_.loss_db;
+    if (!of.db) return true;
+    return method == kKeyframes ? good_beside_cache(*of.db, cache_loss_, allowed_db)
+                                : rilievo::good_enough(*of.db, cache_loss_, allowed_db);
   };
   const int first = method == kKeyframes ? kMakesAgain : kLooksAgain,
             again = std::min(first << std::min(of.refusals, 8), kLooksAgainAtMost);

@@ -96,6 +96,18 @@ class KeyframesDoubt {
 [[nodiscard]] bool first_is_hopeless(double loss_db, std::optional<double> cache_loss_db,
                                      double allowed_db, bool drew);
 
+// Of what two looks at the cache's frames found, the least: one look sees a part of the pixels of
+// one frame, and goes to and fro by 0.4 to 0.65 dB (a standard deviation, along three flights,
+// where the loss was the same from end to end). What it found too much keyframes would be allowed
+// to lose for as long as they draw.
+[[nodiscard]] std::optional<double> least_loss(std::optional<double> a, std::optional<double> b);
+
+// Are keyframes good enough beside a cache that loses that, as rays measure both? Here they may not
+// lose kAsGoodDb more than the cache: along two of the flights rays say 1 dB more of the cache than
+// true frames do, and as much or less of keyframes.
+[[nodiscard]] bool good_beside_cache(double loss_db, std::optional<double> cache_loss_db,
+                                     double allowed_db);
+
 // A trial of keyframes ended so many frames ago, and the cache, which warms up for `warm_up`
 // frames, draws again. Are they kept until it is known what it takes now? It was compared by what
 // it took before; where that was little less they may be the cheaper ones, and would have to be

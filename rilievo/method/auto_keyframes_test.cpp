@@ -101,12 +101,35 @@ TEST(AutoKeyframes, the_first_one_is_judged_no_more_strictly_than_two_are) {
         // AutoFrames::good_enough().
         const bool compared = cache > kCertainly * kAllowed;
         const double sure = !drew && !compared ? kCertainly : 1;
-        const bool two = good_enough(loss - kSecondBrings, cache, sure * kAllowed);
+        const bool two = good_beside_cache(loss - kSecondBrings, cache, sure * kAllowed);
         EXPECT_EQ(first_is_hopeless(loss, cache, kAllowed, drew), !two)
             << loss << " beside " << cache << ", " << drew;
       }
   EXPECT_TRUE(first_is_hopeless(4.3, 0.3, 4, false));
   EXPECT_FALSE(first_is_hopeless(4.3, 0.3, 4, true));
+}
+
+// As rays said of the cache beside the first keyframe and beside two, and what keyframes lost along
+// these flights.
+TEST(AutoKeyframes, they_may_lose_what_the_cache_lost_the_less_of_two_times) {
+  const auto good = [](double first, double second, double loss) {
+    const auto beside = least_loss(first, second);
+    EXPECT_EQ(beside, least_loss(second, first));
+    return good_beside_cache(loss, beside, 4);
+  };
+  // True frames say 4.5 dB of the cache at most, and up to 6.1 of keyframes.
+  EXPECT_FALSE(good(5.6, 5.1, 5.6));  // helmets-fly
+  // 3.7, and up to 5.2.
+  EXPECT_FALSE(good(5.0, 4.5, 5.1));  // chess-fly
+  EXPECT_TRUE(good(5.0, 4.5, 4.5));
+  // 8.7, and 3.4 to 5.3.
+  EXPECT_TRUE(good(9.1, 8.1, 5.3));  // trucks-fly
+  // Not more than is allowed without a cache, nor more than twice that.
+  EXPECT_TRUE(good(1, 2, 4));
+  EXPECT_FALSE(good(20, 20, 8.1));
+  EXPECT_EQ(least_loss({}, 3), 3);
+  EXPECT_EQ(least_loss(3, {}), 3);
+  EXPECT_FALSE(least_loss({}, {}));
 }
 
 // As in bridge: 20 ms were measured before the trial and 25 ms after it.

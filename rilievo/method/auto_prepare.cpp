@@ -95,7 +95,7 @@ void AutoFrames::make_part(const Camera& camera, double time, double ms) {
   const bool jumped = std::exchange(made_.jumped, false);
   if (jumped) {
     made_.first_seen = made_.followed = false;
-    made_.usual.forget(), made_.doubt = {};
+    made_.usual.forget(), made_.doubt = {}, made_.found = {};
   }
   const double usual_ms = made_.usual.add(ms, decision_->drawn_ms(), warm);
   if (!std::exchange(made_.followed, true)) follow_way(eye_, time, frames);
@@ -156,8 +156,11 @@ void AutoFrames::look_at_prepared() {
         if (method == kRays) made_.found = audition_rays(shown, backend_.samples(), **made_.rays);
         if (method == kLevels)
           made_.found = audition_levels(shown, error_px, loss_db, losses_.get(), made_.levels);
-        if (method == kKeyframes)
+        if (method == kKeyframes) {
+          const std::optional<double> beside_first = made_.found.cache_loss_db;
           made_.found = audition_keyframes(shown, made_.eye, *prepared_keyframes());
+          made_.found.cache_loss_db = least_loss(beside_first, made_.found.cache_loss_db);
+        }
         prepared_ = true;
       });
 }

@@ -226,6 +226,7 @@ SurfaceHit intersect(const TexelSurface& surface, const DisparitySegment& segmen
   SurfaceHit march;
   double t = 0, side = walker.side(texel, 0);
   march.passed_behind = march.passed_end = march.passed_outline = side <= 0;
+  bool behind = side <= 0;
   const auto stop = [&](const glm::ivec2& where, double when) {
     march.t = when;
     march.at = walker.at(when);
@@ -234,29 +235,33 @@ SurfaceHit intersect(const TexelSurface& surface, const DisparitySegment& segmen
   for (;;) {
     const double end = std::min({next.x, next.y, 1.0});
     const double side_end = walker.side(texel, end);
+    if (behind && (side > 0 || side_end > 0)) march.behind_to = side > 0 ? t : end, behind = false;
     if (side > 0 && side_end <= 0) {
       march.hit = true;
       stop(texel, walker.root(texel, t, end));
       return march;
     }
-    if (end >= 1) return march;
+    if (end >= 1) break;
     const glm::ivec2 before = texel;
     const int axis = next.x <= next.y ? 0 : 1;
     texel[axis] += forward[axis];
     next[axis] += spacing[axis];
     t = end;
-    if (texel[axis] < 0 || texel[axis] >= size[axis]) return march;
+    if (texel[axis] < 0 || texel[axis] >= size[axis]) break;
     side = walker.side(texel, t);
     if (side_end > 0 && side <= 0) {
       const SurfaceTexel& beyond = surface.texels(before.x, before.y);
       march.hit = walker.meets(before, texel, t);
       stop(march.hit ? texel : before, t);
       if (march.hit) return march;
-      march.passed_behind = true;
+      if (!march.passed_behind) march.behind_from = t;
+      march.passed_behind = behind = true;
       march.passed_end = march.passed_end || !walker.linked(before, texel);
       march.passed_outline = march.passed_outline || beyond.q == 0;
     }
   }
+  if (behind) march.behind_to = 1;
+  return march;
 }
 
 }  // namespace rilievo

@@ -117,8 +117,11 @@ struct SurfaceHit {
   bool passed_end = false;      // passed behind an edge between texels that are not linked
   bool passed_outline = false;  // passed behind an edge next to which the picture shows nothing
   double t = 0;                 // of the hit, along the segment; without a hit, of the last edge
-  glm::dvec3 at{0.0};           // u, v, q there
-  glm::ivec2 texel{0};          // whose patch was hit; without a hit, the texel beyond the edge
+  // Passed behind edges: t of the first one, and where it came out in front again after the last; 1
+  // if it did not. Before and after it crossed free space.
+  double behind_from = 0, behind_to = 0;
+  glm::dvec3 at{0.0};   // u, v, q there
+  glm::ivec2 texel{0};  // whose patch was hit; without a hit, the texel beyond the edge
 };
 
 // Marches through the texels along the segment to the first hit.

@@ -48,7 +48,7 @@ SurfaceHit slow_intersect(const TexelSurface& surface, const DisparitySegment& s
     return piece.q == 0 || (surface.camera.keeps_farthest() ? beyond < 0 : beyond > 0);
   };
   SurfaceHit march;
-  bool before = true;
+  bool before = true, behind = false;
   glm::ivec2 last{-1};
   for (const Stretch& s : stretches) {
     const bool enters = in_front(s.texel, s.begin), leaves = in_front(s.texel, s.end);
@@ -69,11 +69,14 @@ SurfaceHit slow_intersect(const TexelSurface& surface, const DisparitySegment& s
         march.hit = true, march.t = s.begin, march.texel = s.texel;
         return march;
       }
+      if (!march.passed_behind) march.behind_from = s.begin;
       march.passed_behind = true;
       march.passed_outline =
           march.passed_outline || last.x < 0 || surface.texels(last.x, last.y).q == 0;
       march.t = s.begin, march.texel = last;
+      behind = true;
     }
+    if (behind && (enters || leaves)) march.behind_to = enters ? s.begin : s.end, behind = false;
     if (enters && !leaves) {
       // The first of many steps that is not in front, then bisection.
       double t0 = s.begin, t1 = s.end;
@@ -89,6 +92,7 @@ SurfaceHit slow_intersect(const TexelSurface& surface, const DisparitySegment& s
     before = leaves;
     last = s.texel;
   }
+  if (behind) march.behind_to = 1;
   return march;
 }
 
@@ -110,6 +114,8 @@ TEST(TexelSurface, walk_meets_what_every_texel_asked_in_turn_meets) {
       // 1e-9: rounding of doubles along the segment.
       const bool agree =
           march.hit == slow.hit && march.passed_behind == slow.passed_behind &&
+          std::abs(march.behind_from - slow.behind_from) < 1e-9 &&
+          std::abs(march.behind_to - slow.behind_to) < 1e-9 &&
           (!march.hit || (march.texel == slow.texel && std::abs(march.t - slow.t) < 1e-9));
       wrong += !agree;
     }

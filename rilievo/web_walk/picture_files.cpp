@@ -111,7 +111,7 @@ Result<> add_layered_impostor(const LayeredImpostor& impostor, WalkWriter& write
     WalkPicture& to = made.pictures[i];
     const TexelSurface& surface = impostor.surfaces[i];
     to.camera = impostor.pictures[i].camera;
-    to.complete = impostor.complete[i];
+    to.complete = impostor.complete[i], to.sees_through = impostor.sees_through[i];
     to.direction = impostor.views.directions[i];
     Image<float> disparity(surface.texels.width(), surface.texels.height());
     std::ranges::transform(surface.texels.texels(), disparity.texels().begin(),

@@ -91,7 +91,7 @@ struct WalkPicture {
   // least_disparity + (c - 1) disparity_step, 1/m.
   WalkFile depths;
   double least_disparity = 0, disparity_step = 0;
-  bool complete = true;     // as LayeredImpostor's; of surfaces
+  bool complete = true, sees_through = false;  // as LayeredImpostor's; of surfaces
   glm::dvec3 direction{0};  // unit, towards the viewers whom it serves; of surfaces
   double plane_z = 1;       // eye_z of its polygon; of nailboards
 };

@@ -97,6 +97,7 @@ nlohmann::json json_of(const WalkPicture& picture, WalkPictures::Drawn drawn) {
   }
   json["back_perspective"] = camera.keeps_farthest();
   json["complete"] = picture.complete;
+  json["sees_through"] = picture.sees_through;
   json["direction"] = json_of(picture.direction);
   return json;
 }

@@ -79,6 +79,8 @@ export interface PictureEntry {
   readonly depths: FileEntry & { readonly least: number; readonly step: number };
   readonly backPerspective: boolean;
   readonly complete: boolean;
+  /** Its empty texels may show what is seen from behind only. */
+  readonly seesThrough: boolean;
   /** Towards the viewers whom it serves. */
   readonly direction: Vector;
   /** Of a nailboard's polygon. */
@@ -289,6 +291,7 @@ export function parseManifest(text: string, where: string): Manifest {
       },
       backPerspective: of.back_perspective === true,
       complete: of.complete === true,
+      seesThrough: of.sees_through === true,
       direction: surfaces ? vector(of.direction, `${name}.direction`) : [0, 0, 0],
       planeZ: surfaces ? 1 : number(of.plane_z, `${name}.plane_z`, 1e-12, 1e12),
     };

@@ -4,6 +4,7 @@
 
 #include <string>
 
+#include "rilievo/layered_impostor/draw_options.h"
 #include "rilievo/render/opengl/outline_shader.h"
 #include "rilievo/render/opengl/scene_shaders.h"
 #include "rilievo/warp/surface_pyramid.h"
@@ -34,7 +35,7 @@ layout(location = 0) out vec4 out_color;
 )";
 
 const char* const kInstance = R"(
-struct Instance { mat4 clip_from_local; vec4 box_min, box_max, weights[2]; ivec4 views; };
+struct Instance { mat4 clip_from_local; vec4 box_min, box_max, weights[3]; ivec4 views; };
 layout(std140, binding = 1) uniform Instances { Instance instances[INSTANCES]; };
 )";
 
@@ -65,8 +66,13 @@ layout(binding = 4) uniform sampler2DArray cell_texture;
 layout(location = 2) uniform int level_at[LEVELS];  // columns
 
 // s: along the segment, of the hit; without one, of the edge passed last. The texel likewise.
-// beside: passed beside a silhouette, not far in front of it.
-struct March { bool hit, behind, outline, beside; float s; ivec2 texel; };
+// behind_from, behind_to: along it, where it passed behind an edge first, and came out last; 1 if it
+// did not. beside: passed beside a silhouette, not far in front of it.
+struct March {
+  bool hit, behind, outline, beside;
+  float s, behind_from, behind_to;
+  ivec2 texel;
+};
 
 // The stretch of the ray, t in [t.x, t.y], that lies in the view's frustum, as (u, v, q); narrows t.
 bool frustum_segment(View view, vec3 ray, inout vec2 t, out vec3 from, out vec3 to) {
@@ -127,7 +133,7 @@ float texels_per_pixel(View view, vec3 along, mat2x3 pixel) {
 
 // `wide`: the level of cells of which four or fewer pixels are as wide as one; -1: none are.
 March march_view(View view, vec3 from, vec3 to, int wide) {
-  March march = March(false, false, false, false, 0.0, ivec2(0));
+  March march = March(false, false, false, false, 0.0, 0.0, 0.0, ivec2(0));
   float sigma = view.apex.w;
   int layer = int(view.base.w);
   ivec2 size = ivec2(view.du.w, view.dv.w);
@@ -160,6 +166,7 @@ March march_view(View view, vec3 from, vec3 to, int wide) {
         texel = across ? ivec2(low.x + (forward.x > 0 ? side : -1), inside.y)
                        : ivec2(inside.x, low.y + (forward.y > 0 ? side : -1));
         moved = across ? ivec2(forward.x, 0) : ivec2(0, forward.y);
+        if (in_front && before <= 0.0) march.behind_to = t;
         t = end;
         before = in_front ? 1.0 : -1.0;
         done = end >= 1.0 || any(lessThan(texel, ivec2(0))) || any(greaterThanEqual(texel, size));
@@ -186,6 +193,7 @@ March march_view(View view, vec3 from, vec3 to, int wide) {
       float leaves = side_of(sigma, from + delta * leave, texel, q, slope);
       vec2 z = sigma * (from.z + delta.z * vec2(t, leave));
       march.beside = march.beside || (q < 0.0 && min(z.x, z.y) <= -sigma * q);
+      if (before <= 0.0 && max(enters, leaves) > 0.0) march.behind_to = enters > 0.0 ? t : leave;
       march.hit = enters > 0.0 && leaves <= 0.0;
       done = march.hit || (!edge && leave >= 1.0);
       if (!edge && !done) {
@@ -208,6 +216,7 @@ March march_view(View view, vec3 from, vec3 to, int wide) {
         linked = ahead - enters <= PATCH_GAP * q * min(length(view.du.xyz), length(view.dv.xyz));
       }
       march.hit = linked, march.s = t, march.texel = linked ? texel : beyond.xy;
+      if (!march.behind) march.behind_from = t;
       march.behind = march.behind || !linked;
       march.outline = march.outline || hole;
       done = linked;
@@ -217,6 +226,7 @@ March march_view(View view, vec3 from, vec3 to, int wide) {
     if ((texel >> (BLOCK_BITS + FACTOR_BITS)) != (block >> FACTOR_BITS)) level = min(1, LEVELS - 1);
     // Every round leaves a texel, or the surface's front; rounding must not make it endless.
   } while (!done && ++steps < 16384);
+  if (!march.hit && before <= 0.0) march.behind_to = 1.0;
   // Between t (in front) and leave (not) the piece is met: a line against a plane in each of the
   // stretches between the texel's middle lines.
   if (march.hit && leave > t) {
@@ -255,18 +265,25 @@ vec4 color_at(int layer, March march, vec2 at) {
   return sum;
 }
 
-// Of the views without weight that are not done the one that looks along the ray through `middle`:
-// looks_along().
-int view_along(ivec4 list, vec3 middle, uint done) {
+float looks_along(vec4 apex, vec3 middle) {
+  return apex.w * dot(normalize(middle - apex.xyz), middle);
+}
+// Of the views without weight that are not done the one that looks along the ray through `middle`;
+// -1 if none does so as much as `least`.
+int view_along(ivec4 list, vec3 middle, uint done, float least) {
   int best = -1;
-  float most = 0.0;
   for (int k = list.z; k < list.y; ++k) {
     if ((done >> k & 1u) != 0u) continue;
-    vec4 apex = views[list.x + k].apex;
-    float along = apex.w * dot(normalize(middle - apex.xyz), middle);
-    if (best < 0 || along > most) best = k, most = along;
+    float along = looks_along(views[list.x + k].apex, middle);
+    if (along > least || (along == least && best < 0)) best = k, least = along;
   }
   return best;
+}
+
+// Where the ray is at s of the stretch, whose ends are from and to: t is linear in s where it is
+// divided by eye_z, as 1 is.
+float ray_at(vec2 stretch, float from_q, float to_q, float s) {
+  return mix(stretch.x * from_q, stretch.y * to_q, s) / mix(from_q, to_q, s);
 }
 
 // What a ray shows. Its colour is premultiplied, its alpha is coverage; depth above 1: nothing.
@@ -292,29 +309,48 @@ Shown look(vec3 ray, mat2x3 pixel, bool first_decides) {
   uint object = 0u, doubtful_object = 0u;
   bool skin = false, sees_through = false, doubtful_whole = true;
   int inside = 0;
+  // What a view that is not certain says after its last edge, and how far others see.
+  float beyond_from = 2.0, free_to = 0.0, beyond_depth = 2.0, known_along = -1e30;
+  vec4 beyond_color = vec4(0.0);
+  uint beyond_object = 0u;
+  bool beyond_whole = true;
   if (t.x >= t.y) {
     shown.beside = true;  // of the box, and with it perhaps of what touches its faces
     return shown;
   }
   int asked = int(instances[instance].box_min.w);
   uint done = 0u;
+  vec3 middle = 0.5 * (t.x + t.y) * ray;
   for (int i = 0; i < asked; ++i) {
     bool weighted = i < list.z;
-    if ((!weighted || first_decides) && surface + nothing > 0.0) break;
-    float weight = weighted ? instances[instance].weights[i >> 2][i & 3] : 1.0;
+    if ((!weighted || first_decides) && surface + nothing >= 0.999 * SURE) break;
     int chosen = i;
-    if (!weighted) chosen = view_along(list, 0.5 * (t.x + t.y) * ray, done);
+    if (!weighted) {
+      if (beyond_from <= free_to) break;
+      chosen = view_along(list, middle, done, known_along);
+      if (chosen < 0) break;
+    }
+    float weight = weighted ? instances[instance].weights[i >> 2][i & 3] : SURE - surface - nothing;
     done |= 1u << chosen;
     View view = views[list.x + chosen];
     vec3 from, to;
     vec2 stretch = t;
-    March march = March(false, false, false, false, 0.0, ivec2(0));
+    March march = March(false, false, false, false, 0.0, 0.0, 0.0, ivec2(0));
     if (frustum_segment(view, ray, stretch, from, to)) {
       float along = 0.5 * (stretch.x + stretch.y);
       float texels = texels_per_pixel(view, along * ray, along * pixel);
       march = march_view(view, from, to, texels < 1.0 ? -1 : texels < 4.0 ? 0 : 1);
     }
     shown.beside = shown.beside || march.beside;
+    bool empty = !march.hit && view.depths.z > 0.0, nearer = false;
+    if (march.behind) {
+      free_to = max(free_to, ray_at(stretch, from.z, to.z, march.behind_from));
+      float out_at = march.behind_to < 1.0 ? ray_at(stretch, from.z, to.z, march.behind_to) : 2.0;
+      nearer = (march.hit || empty) && out_at < beyond_from;
+      if (nearer) beyond_from = out_at, beyond_depth = 2.0;
+    } else if (weighted && (march.hit || empty)) {
+      known_along = max(known_along, looks_along(view.apex, middle));
+    }
     if (!march.hit) {
       if (!march.behind) {
         nothing += weight * view.depths.z;
@@ -325,9 +361,7 @@ Shown look(vec3 ray, mat2x3 pixel, bool first_decides) {
       if (doubtful_depth < 2.0 || skin) continue;
     }
     int layer = int(view.base.w);
-    // t along the ray is linear in s where it is divided by eye_z, as 1 is.
-    float along = mix(stretch.x * from.z, stretch.y * to.z, march.s) / mix(from.z, to.z, march.s);
-    vec2 clip = along * clip_zw + clip_zw_eye;
+    vec2 clip = ray_at(stretch, from.z, to.z, march.s) * clip_zw + clip_zw_eye;
     float z = 0.5 * clip.x / clip.y + 0.5;
     vec4 c = vec4(1.0);
     uint o = 0u;
@@ -341,11 +375,23 @@ Shown look(vec3 ray, mat2x3 pixel, bool first_decides) {
       doubtful_depth = z, doubtful_color = c, doubtful_object = o, doubtful_whole = linked;
       skin = !march.hit;
     }
+    if (nearer && march.hit)
+      beyond_depth = z, beyond_color = c, beyond_object = o, beyond_whole = linked;
     if (!march.hit || march.behind) continue;
     surface += weight;
     blended += weight * c;
     shown.whole = shown.whole && linked;
     if (weight > heaviest) heaviest = weight, depth = z, object = o;
+  }
+  if (surface + nothing < 0.999 * SURE && beyond_from <= free_to) {
+    float weight = SURE - surface - nothing;
+    if (beyond_depth > 1.0) nothing += weight;
+    else {
+      surface += weight;
+      blended += weight * beyond_color;
+      shown.whole = shown.whole && beyond_whole;
+      if (weight > heaviest) depth = beyond_depth, object = beyond_object;
+    }
   }
   if (skin && (inside <= 0 || asked == 1)) doubtful_depth = 2.0;
   if (nothing > surface || (surface == 0.0 && sees_through)) return shown;
@@ -464,6 +510,7 @@ std::string defines(LayeredOutput output) {
   static_assert(SurfacePyramid::kBlock == 4 && SurfacePyramid::kFactor == 4);
   std::string text =
       "#define BLOCK 4\n#define BLOCK_BITS 2\n#define FACTOR_BITS 2\n#define SHARE 1\n";
+  text += "#define SURE " + std::to_string(kSureWeight) + "\n";
   text += "#define PATCH_GAP " + std::to_string(kPatchGap) + "\n";
   text += "#define LEVELS " + std::to_string(SurfacePyramid::kLevels) + "\n";
   if (output == LayeredOutput::objects) text += "#define OBJECT_IDS 1\n";

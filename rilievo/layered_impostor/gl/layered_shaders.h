@@ -11,9 +11,9 @@
 namespace rilievo::shader {
 
 // The largest number of pictures of which a pixel chooses those that it looks up.
-inline constexpr int kMaxViewsAtHand = 8;
+inline constexpr int kMaxViewsAtHand = 10;
 // The largest number of impostors in one draw call of the surface program, the size of its blocks.
-inline constexpr int kMaxInstances = 16;
+inline constexpr int kMaxInstances = 12;
 
 // A picture as seen by an instance (std140, std430). The homogeneous raster position of a local
 // point P is (u w, v w, w) = (dot(u_row, (P, 1)), ...), with w = eye_z; the inverse is P = apex +
@@ -30,7 +30,7 @@ struct LayeredView {
 struct LayeredInstanceBlock {
   glm::mat4 clip_from_local;
   glm::vec4 box_min, box_max;  // w of box_min: how many views a pixel looks up
-  glm::vec4 weights[2];
+  glm::vec4 weights[3];
   glm::ivec4 views;  // first, count, how many have weight; object identifier
 };
 

@@ -51,6 +51,8 @@ class LayeredRays {
   };
   struct Look;
   void find_order(const PlacedLayered& placed, Look& look) const;
+  static double eye_z_at(const MarchedView& view, const MarchRays& rays, std::size_t ray,
+                         const glm::dvec3& along, float t);
   // Where a ray ended; `along` is its direction as the view's picture has it.
   [[nodiscard]] SeenLayered seen_at(const PlacedLayered& placed, const MarchedView& view,
                                     const MarchRays& rays, std::size_t ray,

@@ -76,6 +76,7 @@ class March {
     }
     t_ = hn::Zero(f), before_ = one, leave_ = zero, enters_ = zero;
     end_t_ = zero, end_[0] = end_[1] = hn::Zero(i32);
+    behind_from_ = behind_to_ = zero;
     level_ = hn::Set(i32, kLevels - 1);
     // Lanes after the wanted ones.
     const std::uint8_t bits = std::uint8_t(rays.wanted >> first);
@@ -96,6 +97,9 @@ class March {
 
   void store(MarchRays& rays, int first) const {
     hn::Store(end_t_, f, rays.t + first);
+    hn::Store(behind_from_, f, rays.behind_from + first);
+    const MF stays = hn::AndNot(hit_, hn::Le(before_, hn::Zero(f)));
+    hn::Store(select(stays, hn::Set(f, 1.0f), behind_to_), f, rays.behind_to + first);
     hn::Store(end_[0], i32, rays.x + first);
     hn::Store(end_[1], i32, rays.y + first);
     const auto bits = [&](MF mask) {
@@ -203,6 +207,9 @@ class March {
           moved_[a] = select(skips, hn::IfThenElseZero(hn::RebindMask(i32, leaves), forward_[a]),
                              moved_[a]);
         }
+        // In front at once where it was behind.
+        const MF out = hn::And(hn::And(skips, in_front), hn::Le(before_, zero));
+        behind_to_ = select(out, t_, behind_to_);
         t_ = select(skips, end, t_);
         before_ = select(skips, select(in_front, one, hn::Set(f, -1.0f)), before_);
         done_ = hn::Or(done_, hn::And(skips, hn::Or(hn::Ge(end, one), outside())));
@@ -239,6 +246,10 @@ class March {
       const MF at_edge = hn::And(walks, hn::And(hn::Gt(before_, zero), hn::Le(enters, zero)));
       const MF meets = hn::And(walks, hn::And(hn::Gt(enters, zero), hn::Le(leaves, zero)));
       edge = hn::Or(edge, at_edge), hit_ = hn::Or(hit_, meets);
+      const MF before_front = hn::Gt(enters, zero);
+      const MF out = hn::And(hn::And(walks, hn::Le(before_, zero)),
+                             hn::Or(before_front, hn::Gt(leaves, zero)));
+      behind_to_ = select(out, select(before_front, t_, leave), behind_to_);
       const MF goes_on = hn::AndNot(hn::Or(at_edge, meets), walks);
       done_ = hn::Or(done_, hn::Or(meets, hn::And(goes_on, hn::Ge(leave, one))));
       const MF moves = hn::AndNot(done_, goes_on);
@@ -286,6 +297,7 @@ class March {
     const MF meets = hn::And(hn::AndNot(hole, has_link), hn::Le(hn::Sub(ahead, enters_), gap));
     const MF joined = hn::And(edge, meets), ends = hn::AndNot(meets, edge);
     hit_ = hn::Or(hit_, joined), done_ = hn::Or(done_, joined);
+    behind_from_ = select(hn::AndNot(behind_, ends), t_, behind_from_);
     behind_ = hn::Or(behind_, ends), outline_ = hn::Or(outline_, hn::And(edge, hole));
     end_t_ = select(edge, t_, end_t_);
     for (int a = 0; a < 2; ++a) end_[a] = select(joined, texel_[a], select(edge, last[a], end_[a]));
@@ -334,6 +346,7 @@ class March {
   VF enters_, leave_;               // of the last texel
   VF end_t_;
   VI end_[2];
+  VF behind_from_, behind_to_;
   MF done_, hit_, behind_, outline_;
 };
 

@@ -49,6 +49,8 @@ struct MarchRays {
   // Of hits, and of what passed behind edges but no outlines: SurfaceHit::t and texel.
   alignas(64) float t[kCount] = {};
   alignas(64) std::int32_t x[kCount] = {}, y[kCount] = {};
+  // Of what passed behind edges: SurfaceHit::behind_from, and behind_to or a little later.
+  alignas(64) float behind_from[kCount] = {}, behind_to[kCount] = {};
   // What it cost: steps that some of the rays took together.
   int cell_steps = 0, texel_steps = 0;
 };

@@ -31,7 +31,7 @@ const kBoardBytes = 4 + 2, kSurfaceBytes = kBoardBytes + 8 + 1 + 1;
 const kTextures = ["color", "code", "slope", "links", "cell"] as const;
 type TextureName = (typeof kTextures)[number];
 const kUniforms = [
-  "clip_from_local", "box_min", "box_max", "view_data", "view_weights", "view_complete",
+  "clip_from_local", "box_min", "box_max", "view_data", "view_weights", "view_says",
   "view_counts", "forward_near",
 ];
 
@@ -51,7 +51,7 @@ export class PictureSet implements Pictures {
   private readonly boardData: Float32Array;
   private readonly viewData = new Float32Array(4 * kViewVectors * kMostViews);
   private readonly weights = new Float32Array(kMostViews);
-  private readonly complete = new Float32Array(kMostViews);
+  private readonly says = new Float32Array(2 * kMostViews);
   private readonly shown = new Int32Array(kMostViews);
   private readonly clip = new Float32Array(16);
   private frame = 0;
@@ -320,7 +320,8 @@ export class PictureSet implements Pictures {
         : entry.handover > 0 ? Math.max(0, 1 - (angle - nearest) / entry.handover) : 0;
       if (weight > 0) ++weighty;
       this.weights[count] = weight;
-      this.complete[count] = entry.list[i].complete ? 1 : 0;
+      this.says[2 * count] = entry.list[i].complete ? 1 : 0;
+      this.says[2 * count + 1] = entry.list[i].seesThrough ? 1 : 0;
       this.shown[count++] = i;
       sum += weight;
     }
@@ -334,7 +335,7 @@ export class PictureSet implements Pictures {
     gl.uniform3f(at.box_max, high[0] + slack - e[12], high[1] + slack - e[13], high[2] + slack - e[14]);
     gl.uniform4fv(at.view_data, this.viewData);
     gl.uniform1fv(at.view_weights, this.weights);
-    gl.uniform1fv(at.view_complete, this.complete);
+    gl.uniform2fv(at.view_says, this.says);
     gl.uniform2i(at.view_counts, count, weighty);
     gl.enable(gl.CULL_FACE);
     gl.cullFace(gl.FRONT);

@@ -4,8 +4,9 @@
 
 import { kBlock, kFactor, kLevels } from "./surface.js";
 
-/** The most pictures in which a pixel looks up its surface. */
-export const kMostViews = 6;
+/** The most pictures of which a pixel chooses those in which it looks up its surface: their number. */
+export const kMostViews = 10;
+export const kMostAsked = 8;
 /** vec4s of a picture in `view_data`. */
 export const kViewVectors = 8;
 
@@ -36,11 +37,13 @@ precision highp usampler2DArray;
 #define BLOCK ${kBlock}
 #define LEVELS ${kLevels}
 #define PATCH_GAP 0.25
+#define SURE 0.25
 in vec3 v_ray;
 uniform vec3 box_min, box_max;
 uniform vec4 view_data[${kMostViews * kViewVectors}];
 uniform float view_weights[${kMostViews}];
-uniform float view_complete[${kMostViews}];  // 1: an empty texel means that nothing is there
+// 1 or 0: an empty texel means that nothing is there; it may see through what is there.
+uniform vec2 view_says[${kMostViews}];
 uniform ivec2 view_counts;   // all, and those that have weight
 uniform vec4 forward_near;   // the frame's; near plane of the layers
 uniform int level_at[LEVELS];  // columns
@@ -59,7 +62,9 @@ View view_at(int i) {
               view_data[k + 5], view_data[k + 6], view_data[k + 7]);
 }
 // s: along the segment, of the hit; without one, of the edge passed last. The texel likewise.
-struct March { bool hit, behind, outline; float s; ivec2 texel; };
+// behind_from, behind_to: along it, where it passed behind an edge first, and came out last; 1 if it
+// did not.
+struct March { bool hit, behind, outline; float s, behind_from, behind_to; ivec2 texel; };
 
 // depths: z_near, z_far, least, step; 0 is nothing.
 float q_of(vec4 depths, ivec3 texel) {
@@ -110,7 +115,7 @@ vec2 exits(ivec2 low, int side, vec2 from, vec2 inverse, vec2 ahead) {
 }
 
 March march_view(View view, vec3 from, vec3 to) {
-  March march = March(false, false, false, 0.0, ivec2(0));
+  March march = March(false, false, false, 0.0, 0.0, 0.0, ivec2(0));
   float sigma = view.apex.w;
   int layer = int(view.base.w);
   ivec2 size = ivec2(view.du.w, view.dv.w);
@@ -143,6 +148,7 @@ March march_view(View view, vec3 from, vec3 to) {
         texel = across ? ivec2(low.x + (forward.x > 0 ? side : -1), inside.y)
                        : ivec2(inside.x, low.y + (forward.y > 0 ? side : -1));
         moved = across ? ivec2(forward.x, 0) : ivec2(0, forward.y);
+        if (in_front && before <= 0.0) march.behind_to = t;
         t = end;
         before = in_front ? 1.0 : -1.0;
         done = end >= 1.0 || any(lessThan(texel, ivec2(0))) || any(greaterThanEqual(texel, size));
@@ -167,6 +173,7 @@ March march_view(View view, vec3 from, vec3 to) {
       vec2 ends = exits(texel, 1, from.xy, inverse, ahead);
       leave = min(min(ends.x, ends.y), 1.0);
       float leaves = side_of(sigma, from + delta * leave, texel, q, slope);
+      if (before <= 0.0 && max(enters, leaves) > 0.0) march.behind_to = enters > 0.0 ? t : leave;
       march.hit = enters > 0.0 && leaves <= 0.0;
       done = march.hit || (!edge && leave >= 1.0);
       if (!edge && !done) {
@@ -191,6 +198,7 @@ March march_view(View view, vec3 from, vec3 to) {
       march.hit = linked;
       march.s = t;
       march.texel = linked ? texel : beyond.xy;
+      if (!march.behind) march.behind_from = t;
       march.behind = march.behind || !linked;
       march.outline = march.outline || hole;
       done = linked;
@@ -200,6 +208,7 @@ March march_view(View view, vec3 from, vec3 to) {
     if ((texel >> (BLOCK_BITS + FACTOR_BITS)) != (block >> FACTOR_BITS)) level = min(1, LEVELS - 1);
     // Every round leaves a texel, or the surface's front; rounding must not make it endless.
   } while (!done && ++steps < 16384);
+  if (!march.hit && before <= 0.0) march.behind_to = 1.0;
   // Between t (in front) and leave (not) the piece is met: a line against a plane in each of the
   // stretches between the texel's middle lines.
   if (march.hit && leave > t) {
@@ -237,43 +246,96 @@ vec4 color_at(int layer, March march, vec2 at) {
   return sum;
 }
 
+float looks_along(vec4 apex, vec3 middle) {
+  return apex.w * dot(normalize(middle - apex.xyz), middle);
+}
+// Of the views without weight that are not done the one that looks along the ray through 'middle';
+// -1 if none does so as much as 'least'.
+int view_along(vec3 middle, uint done, float least) {
+  int best = -1;
+  for (int k = view_counts.y; k < view_counts.x; ++k) {
+    if ((done >> k & 1u) != 0u) continue;
+    float along = looks_along(view_data[${kViewVectors} * k + 3], middle);
+    if (along > least || (along == least && best < 0)) {
+      best = k;
+      least = along;
+    }
+  }
+  return best;
+}
+
+// Where the ray is at s of the stretch, whose ends are from and to: t is linear in s where it is
+// divided by eye_z, as 1 is.
+float ray_at(vec2 stretch, float from_q, float to_q, float s) {
+  return mix(stretch.x * from_q, stretch.y * to_q, s) / mix(from_q, to_q, s);
+}
+
 void main() {
   vec3 a = box_min / v_ray, b = box_max / v_ray;
   vec3 lo = min(a, b);
   vec2 t = vec2(max(max(max(lo.x, lo.y), lo.z), 1e-6), 1.0);
   float speed = dot(forward_near.xyz, v_ray);  // eye_z over the ray
 
-  // The rules are those of warp_surfaces() (rilievo/layered_impostor/surface_warp.cpp) but for the
-  // order of the pictures, and for pictures that see through a place: docs/web.md.
+  // The rules are those of warp_surfaces() (rilievo/layered_impostor/surface_warp.cpp).
   vec4 blended = vec4(0.0), doubtful_color = vec4(0.0);
   float surface = 0.0, nothing = 0.0, heaviest = 0.0;
   float depth = 1e38, doubtful_depth = 1e38;  // eye_z
-  bool skin = false;
+  bool skin = false, sees_through = false;
   int inside = 0;
-  for (int i = 0; i < view_counts.x; ++i) {
+  // What a view that is not certain says after its last edge, and how far others see.
+  float beyond_from = 2.0, free_to = 0.0, beyond_depth = 1e38, known_along = -1e30;
+  vec4 beyond_color = vec4(0.0);
+  uint done = 0u;
+  vec3 middle = 0.5 * (t.x + t.y) * v_ray;
+  int asked = min(view_counts.x, ${kMostAsked});
+  for (int i = 0; i < asked; ++i) {
     bool weighty = i < view_counts.y;
-    if (!weighty && surface + nothing > 0.0) break;
-    float weight = weighty ? view_weights[i] : 1.0;
-    View view = view_at(i);
+    int chosen = i;
+    if (!weighty) {
+      if (surface + nothing >= 0.999 * SURE || beyond_from <= free_to) break;
+      chosen = view_along(middle, done, known_along);
+      if (chosen < 0) break;
+    }
+    float weight = weighty ? view_weights[i] : SURE - surface - nothing;
+    done |= 1u << chosen;
+    View view = view_at(chosen);
+    vec2 says = view_says[chosen];
     vec3 from, to;
     vec2 stretch = t;
-    March march = March(false, false, false, 0.0, ivec2(0));
+    March march = March(false, false, false, 0.0, 0.0, 0.0, ivec2(0));
     if (frustum_segment(view, v_ray, stretch, from, to)) march = march_view(view, from, to);
+    bool empty = !march.hit && says.x > 0.0, nearer = false;
+    if (march.behind) {
+      free_to = max(free_to, ray_at(stretch, from.z, to.z, march.behind_from));
+      float out_at = march.behind_to < 1.0 ? ray_at(stretch, from.z, to.z, march.behind_to) : 2.0;
+      nearer = (march.hit || empty) && out_at < beyond_from;
+      if (nearer) {
+        beyond_from = out_at;
+        beyond_depth = 1e38;
+      }
+    } else if (weighty && (march.hit || empty)) {
+      known_along = max(known_along, looks_along(view.apex, middle));
+    }
     if (!march.hit) {
-      if (!march.behind) nothing += weight * view_complete[i];
+      if (!march.behind) {
+        nothing += weight * says.x;
+        sees_through = sees_through || says.y > 0.0;
+      }
       if (march.behind) inside += march.outline ? -1 : 1;
       if (!march.behind || march.outline) continue;
       if (doubtful_depth < 1e37 || skin) continue;
     }
     int layer = int(view.base.w);
-    // t along the ray is linear in s where it is divided by eye_z, as 1 is.
-    float along = mix(stretch.x * from.z, stretch.y * to.z, march.s) / mix(from.z, to.z, march.s);
-    float z = along * speed;
+    float z = ray_at(stretch, from.z, to.z, march.s) * speed;
     vec4 c = color_at(layer, march, mix(from.xy, to.xy, march.s));
     if (!march.hit || skin || z < doubtful_depth) {
       doubtful_depth = z;
       doubtful_color = c;
       skin = !march.hit;
+    }
+    if (nearer && march.hit) {
+      beyond_depth = z;
+      beyond_color = c;
     }
     if (!march.hit || march.behind) continue;
     surface += weight;
@@ -283,8 +345,18 @@ void main() {
       depth = z;
     }
   }
+  if (surface + nothing < 0.999 * SURE && beyond_from <= free_to) {
+    float weight = SURE - surface - nothing;
+    if (beyond_depth > 1e37) {
+      nothing += weight;
+    } else {
+      surface += weight;
+      blended += weight * beyond_color;
+      if (weight > heaviest) depth = beyond_depth;
+    }
+  }
   if (skin && (inside <= 0 || view_counts.x == 1)) doubtful_depth = 1e38;
-  if (nothing > surface) discard;
+  if (nothing > surface || (surface == 0.0 && sees_through)) discard;
   if (surface == 0.0) {
     depth = doubtful_depth;
     blended = doubtful_color;
