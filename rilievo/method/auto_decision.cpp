@@ -206,10 +206,7 @@ int AutoDecision::worth_trying(std::span<const AutoOutlook> outlook, bool ready)
     if (candidate.warm_up >= kWarmsUpLong && one.prior_ms > kAsMuch * cost.prior_ms &&
         cost.prior_ms > 0 && likely > kMaySpike * free_ms())
       continue;
-    if (!trials_.affords(
-            {candidate.warm_up, likely, expected(i, one), cost.mean_ms > 0, cost.fails}, free_ms(),
-            now))
-      continue;
+    if (!trials_.affords({candidate.warm_up, likely, cost.mean_ms > 0}, free_ms(), now)) continue;
     const double gains = now - (hope + likely) / 2, pays = kPaysWithin * candidate.chance * gains;
     const bool promises =
         cost.mean_ms == 0 && one.guess_ms > 0 && one.guess_ms <= (1 - kMuchCheaper) * now;
@@ -284,6 +281,15 @@ void AutoDecision::change(int to) {
   since_change_ = 0;
   unsettled_ = less_ = 0, last_ms_ = 0;
   ++recent_changes_;
+}
+
+// Of none if that is -1.
+void AutoDecision::begin_trial(int of, std::span<const AutoOutlook> outlook) {
+  if (of < 0) return;
+  tried_in_warm_up_ = warms_up();
+  // What is prepared would disturb it; and frames before it and after it are no row.
+  prepares_ = -1, less_ = 0;
+  trials_.begin(of, candidates_[std::size_t(of)].warm_up, plausible(of, outlook[std::size_t(of)]));
 }
 
 // What was tried draws from now on, or its trial has failed.
@@ -374,22 +380,11 @@ AutoChoice AutoDecision::next(std::span<const AutoOutlook> outlook, bool jumped,
                       ? AutoReason::best
                       : AutoReason::cheapest;
       } else if (warm) {
-        const bool slow = last_ms_ > AutoTrials::kMuch * now;
-        const int tries = disturbed || slow ? -1 : worth_trying(outlook, true);
         if (settled) prepares_ = worth_trying(outlook, false);
-        // What is prepared would disturb the trial.
-        if (tries >= 0) prepares_ = -1;
-        tried_in_warm_up_ = false;
-        // Frames before a trial and after it are no row.
-        if (tries >= 0) less_ = 0;
-        if (tries >= 0)
-          trials_.begin(tries, candidates_[std::size_t(tries)].warm_up,
-                        plausible(tries, outlook[std::size_t(tries)]));
-      } else if (const int tries = disturbed ? -1 : plainly_worth_trying(outlook); tries >= 0) {
-        prepares_ = -1, less_ = 0;
-        tried_in_warm_up_ = true;
-        trials_.begin(tries, candidates_[std::size_t(tries)].warm_up,
-                      plausible(tries, outlook[std::size_t(tries)]));
+        if (!disturbed && last_ms_ <= AutoTrials::kMuch * now)
+          begin_trial(worth_trying(outlook, true), outlook);
+      } else if (!disturbed) {
+        begin_trial(plainly_worth_trying(outlook), outlook);
       }
     }
     // What a method takes that warms up again is known: nothing has to wait for that.

@@ -146,6 +146,7 @@ class AutoDecision {
   [[nodiscard]] int plainly_worth_trying(std::span<const AutoOutlook> outlook) const;
   [[nodiscard]] bool warms_up() const;
   void change(int to);
+  void begin_trial(int of, std::span<const AutoOutlook> outlook);
   void end_trial(std::span<const AutoOutlook> outlook);
   [[nodiscard]] bool comparable(int i, std::span<const AutoOutlook> outlook) const;
   [[nodiscard]] double over_guess(double ms) const;

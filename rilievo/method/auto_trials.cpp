@@ -23,8 +23,6 @@ constexpr double kWarmUpMore = 0.3;
 constexpr double kMostMore = 5;
 // A frame of a trial is counted as at most so many frames: more is the work of another program.
 constexpr double kMostOfFrame = 2;
-// What fails is known after so many frames.
-constexpr int kFailsIn = 2;
 
 // The mean without the largest, which may be the work of another program, and of others that take
 // much as of frames that are no trial.
@@ -49,10 +47,6 @@ bool AutoTrials::affords(const TrialOutlook& outlook, double free_ms, double now
   // To return to what warms up for long is an expense.
   if (outlook.measured && outlook.warm_up >= kWarmsUpLong)
     expense += kWarmUpMore * outlook.likely_ms * outlook.warm_up;
-  // What is hoped for against what was measured is tried once for nothing.
-  const double measured = std::min(outlook.expected_ms, kMostOfFrame * free_ms);
-  if (outlook.fails >= 2 && measured > kContradicts * outlook.likely_ms)
-    expense += kFailsIn * std::max(0.0, measured - free_ms);
   // The time of two frames is free.
   return expense <= 0 || trials_ms_ + expense <= 2 * now_ms + kShare * all_ms_;
 }

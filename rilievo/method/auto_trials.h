@@ -15,11 +15,9 @@ namespace rilievo {
 
 // What would be tried.
 struct TrialOutlook {
-  int warm_up = 0;         // AutoCandidate::warm_up
-  double likely_ms = 0;    // what it plausibly takes
-  double expected_ms = 0;  // the same, as it was measured or by its model
-  bool measured = false;   // it has drawn before
-  int fails = 0;           // of its trials, in a row
+  int warm_up = 0;        // AutoCandidate::warm_up
+  double likely_ms = 0;   // what it plausibly takes
+  bool measured = false;  // it has drawn before
 };
 
 // The trials of one sequence of frames.

@@ -102,14 +102,14 @@ TEST(AutoTrials, nothing_was_found_where_nothing_was_drawn) {
 TEST(AutoTrials, only_what_can_be_afforded_begins) {
   AutoTrials trials(12);
   double all_ms = 0, more_ms = 0;
-  const TrialOutlook dear{.warm_up = 1, .likely_ms = 24, .expected_ms = 24};
+  const TrialOutlook dear{.warm_up = 1, .likely_ms = 24};
   int tried = 0;
   for (int frame = 0; frame < 4000; ++frame) {
     const double expense = (24 - kNow) * (1 + AutoTrials::kFrames);
     EXPECT_EQ(trials.affords(dear, kNow, kNow),
               more_ms + expense <= 2 * kNow + AutoTrials::kShare * all_ms);
     // What is likely to be no dearer is no expense.
-    EXPECT_TRUE(trials.affords({.warm_up = 12, .likely_ms = kNow, .expected_ms = 99}, kNow, kNow));
+    EXPECT_TRUE(trials.affords({.warm_up = 12, .likely_ms = kNow}, kNow, kNow));
     if (trials.affords(dear, kNow, kNow)) {
       ++tried;
       trials.begin(0, 1, 24);
@@ -125,24 +125,11 @@ TEST(AutoTrials, only_what_can_be_afforded_begins) {
 
 TEST(AutoTrials, to_return_to_what_warms_up_for_long_is_an_expense) {
   AutoTrials trials(12);
-  TrialOutlook outlook{.warm_up = 12, .likely_ms = 19, .expected_ms = 19, .measured = true};
+  TrialOutlook outlook{.warm_up = 12, .likely_ms = 19, .measured = true};
   EXPECT_FALSE(trials.affords(outlook, kNow, kNow));
   outlook.measured = false;
   EXPECT_TRUE(trials.affords(outlook, kNow, kNow));
   outlook.measured = true, outlook.warm_up = 2;
-  EXPECT_TRUE(trials.affords(outlook, kNow, kNow));
-}
-
-TEST(AutoTrials, what_is_hoped_against_what_was_measured_is_an_expense_after_two_fails) {
-  AutoTrials trials(12);
-  trials.begin(0, 0, 0);
-  trials.add(2 * kNow, kNow);  // of the two frames that are free one is left
-  EXPECT_TRUE(trials.end());
-  TrialOutlook outlook{.warm_up = 1, .likely_ms = 15, .expected_ms = 60, .fails = 1};
-  EXPECT_TRUE(trials.affords(outlook, kNow, kNow));
-  outlook.fails = 2;
-  EXPECT_FALSE(trials.affords(outlook, kNow, kNow));
-  outlook.expected_ms = 16;
   EXPECT_TRUE(trials.affords(outlook, kNow, kNow));
 }
 
