@@ -164,15 +164,13 @@ void AutoFrames::learn_slowness(MachineSlowness::Source source, double times, bo
 // Is a method whose loss is measured? What was not may be, some time later.
 bool AutoFrames::good_enough(int method) {
   Loss& of = loss_[method];
+  const bool drew = decision_->mean_ms(method) > 0;
   const auto good = [&] {
-    // Nobody has seen it yet: what was looked at is one frame.
-    const double sure = decision_->mean_ms(method) == 0 && !of.compared ? kCertainly
-                        : method == kLevels                             ? kOfLevels
-                                                                        : 1;
-    const double allowed_db = sure * options_.loss_db;
     if (!of.db) return true;
-    return method == kKeyframes ? good_beside_cache(*of.db, cache_loss_, allowed_db)
-                                : rilievo::good_enough(*of.db, cache_loss_, allowed_db);
+    if (method == kKeyframes) return good_beside_cache(*of.db, cache_loss_, options_.loss_db, drew);
+    // Nobody has seen it yet: what was looked at is one frame.
+    const double sure = !drew ? kCertainly : method == kLevels ? kOfLevels : 1;
+    return rilievo::good_enough(*of.db, cache_loss_, sure * options_.loss_db);
   };
   const int first = method == kKeyframes ? kMakesAgain : kLooksAgain,
             again = std::min(first << std::min(of.refusals, 8), kLooksAgainAtMost);

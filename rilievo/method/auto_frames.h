@@ -169,7 +169,6 @@ class AutoFrames final : public FrameSource {
   struct Loss {
     std::optional<double> db;  // none: not known
     int seen_in = 0;           // the last frame that the method drew
-    bool compared = false;     // with the cache, where both are bad: no single look
     int refusals = 0;          // since it was seen to be good enough
   } loss_[kMethods];
   double off_[kMethods] = {1, 1, 1, 1, 1};  // times as much as its model says; 1: not measured

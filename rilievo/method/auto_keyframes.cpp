@@ -115,19 +115,19 @@ bool KeyframesDoubt::add(double drawn_ms, double keyframes_ms) {
 bool first_is_hopeless(double loss_db, std::optional<double> cache_loss_db, double allowed_db,
                        bool drew) {
   if (loss_db > kMostTimes * allowed_db) return true;
-  if (!cache_loss_db) return false;
-  // As they are judged when there are two.
-  const double sure = drew || *cache_loss_db > kCertainly * allowed_db ? 1 : kCertainly;
-  return !good_beside_cache(loss_db - kSecondBrings, cache_loss_db, sure * allowed_db);
+  return cache_loss_db &&
+         !good_beside_cache(loss_db - kSecondBrings, cache_loss_db, allowed_db, drew);
 }
 
 std::optional<double> least_loss(std::optional<double> a, std::optional<double> b) {
   return a && b ? std::min(a, b) : a ? a : b;
 }
 
-bool good_beside_cache(double loss_db, std::optional<double> cache_loss_db, double allowed_db) {
+bool good_beside_cache(double loss_db, std::optional<double> cache_loss_db, double allowed_db,
+                       bool drew) {
+  const bool sure = drew || (cache_loss_db && *cache_loss_db > kCertainly * allowed_db);
   if (cache_loss_db) *cache_loss_db -= kAsGoodDb;
-  return good_enough(loss_db, cache_loss_db, allowed_db);
+  return good_enough(loss_db, cache_loss_db, (sure ? 1 : kCertainly) * allowed_db);
 }
 
 bool kept_after_trial(int frames, int warm_up, double keyframes_ms, double cache_ms) {

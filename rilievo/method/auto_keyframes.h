@@ -104,9 +104,10 @@ class KeyframesDoubt {
 
 // Are keyframes good enough beside a cache that loses that, as rays measure both? Here they may not
 // lose kAsGoodDb more than the cache: along two of the flights rays say 1 dB more of the cache than
-// true frames do, and as much or less of keyframes.
+// true frames do, and as much or less of keyframes. Before they `drew` nobody has seen them, and
+// what was looked at is one frame, which suffices where the cache is bad, too.
 [[nodiscard]] bool good_beside_cache(double loss_db, std::optional<double> cache_loss_db,
-                                     double allowed_db);
+                                     double allowed_db, bool drew);
 
 // A trial of keyframes ended so many frames ago, and the cache, which warms up for `warm_up`
 // frames, draws again. Are they kept until it is known what it takes now? It was compared by what

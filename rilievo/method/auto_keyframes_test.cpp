@@ -98,15 +98,22 @@ TEST(AutoKeyframes, the_first_one_is_judged_no_more_strictly_than_two_are) {
   for (const bool drew : {false, true})
     for (double cache = -2; cache < 9; cache += 0.25)
       for (double loss = 0; loss < 8; loss += 0.25) {
-        // AutoFrames::good_enough().
-        const bool compared = cache > kCertainly * kAllowed;
-        const double sure = !drew && !compared ? kCertainly : 1;
-        const bool two = good_beside_cache(loss - kSecondBrings, cache, sure * kAllowed);
+        const bool two = good_beside_cache(loss - kSecondBrings, cache, kAllowed, drew);
         EXPECT_EQ(first_is_hopeless(loss, cache, kAllowed, drew), !two)
             << loss << " beside " << cache << ", " << drew;
       }
   EXPECT_TRUE(first_is_hopeless(4.3, 0.3, 4, false));
   EXPECT_FALSE(first_is_hopeless(4.3, 0.3, 4, true));
+}
+
+// One look at what nobody has seen must show that it is certainly good, unless the cache is bad.
+TEST(AutoKeyframes, they_must_certainly_be_good_before_they_draw) {
+  EXPECT_TRUE(good_beside_cache(2.7, {}, 4, false));
+  EXPECT_FALSE(good_beside_cache(2.9, {}, 4, false));
+  EXPECT_TRUE(good_beside_cache(3.9, {}, 4, true));
+  EXPECT_FALSE(good_beside_cache(3.9, 2.7, 4, false));
+  EXPECT_TRUE(good_beside_cache(3.9, 2.9, 4, false));
+  EXPECT_FALSE(good_beside_cache(4.1, 2.9, 4, true));
 }
 
 // As rays said of the cache beside the first keyframe and beside two, and what keyframes lost along
@@ -115,7 +122,8 @@ TEST(AutoKeyframes, they_may_lose_what_the_cache_lost_the_less_of_two_times) {
   const auto good = [](double first, double second, double loss) {
     const auto beside = least_loss(first, second);
     EXPECT_EQ(beside, least_loss(second, first));
-    return good_beside_cache(loss, beside, 4);
+    EXPECT_EQ(good_beside_cache(loss, beside, 4, false), good_beside_cache(loss, beside, 4, true));
+    return good_beside_cache(loss, beside, 4, true);
   };
   // True frames say 4.5 dB of the cache at most, and up to 6.1 of keyframes.
   EXPECT_FALSE(good(5.6, 5.1, 5.6));  // helmets-fly
@@ -125,7 +133,7 @@ TEST(AutoKeyframes, they_may_lose_what_the_cache_lost_the_less_of_two_times) {
   // 8.7, and 3.4 to 5.3.
   EXPECT_TRUE(good(9.1, 8.1, 5.3));  // trucks-fly
   // Not more than is allowed without a cache, nor more than twice that.
-  EXPECT_TRUE(good(1, 2, 4));
+  EXPECT_TRUE(good(3, 3.5, 4));
   EXPECT_FALSE(good(20, 20, 8.1));
   EXPECT_EQ(least_loss({}, 3), 3);
   EXPECT_EQ(least_loss(3, {}), 3);

@@ -200,9 +200,6 @@ Result<> AutoFrames::adopt() {
   if (stage_ == Preparing::looked_at || first_refused) {
     loss_[method] = {
         .db = made_.found.loss_db, .seen_in = frame_, .refusals = loss_[method].refusals};
-    // Where the cache of the same moment is bad, too, one look suffices.
-    loss_[method].compared = method == kKeyframes && made_.found.cache_loss_db &&
-                             *made_.found.cache_loss_db > kCertainly * options_.loss_db;
     if (made_.found.cache_loss_db) cache_loss_ = made_.found.cache_loss_db;
   }
   Result<std::unique_ptr<FrameSource>> frames{Error{}};
