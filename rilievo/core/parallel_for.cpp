@@ -49,8 +49,9 @@ namespace rilievo {
 OnThisThread::OnThisThread() : before_(detail::on_this_thread) { detail::on_this_thread = true; }
 OnThisThread::~OnThisThread() { detail::on_this_thread = before_; }
 
-int threads_of_calls() {
-  if (detail::on_this_thread) return 1;
+int threads_of_calls() { return detail::on_this_thread ? 1 : threads_of_frames(); }
+
+int threads_of_frames() {
   const std::size_t allowed =
       tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
   return int(std::min(std::size_t(std::max(1, tbb::this_task_arena::max_concurrency())), allowed));

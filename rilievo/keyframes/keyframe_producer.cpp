@@ -6,6 +6,8 @@
 #include <utility>
 
 #include "rilievo/core/expects.h"
+#include "rilievo/core/on_this_thread.h"
+#include "rilievo/core/thread_watch.h"
 #include "rilievo/keyframes/same_view.h"
 #include "rilievo/keyframes/weigh_keyframes.h"
 
@@ -396,6 +398,7 @@ Result<> KeyframeProducer::work(double holes_ms, double allowed_ms) {
   if (maker_.busy() && turn_between(maker_.camera(), frame_) > kElsewhere)
     keep_memory(maker_.give_up());
   const Stopwatch watch;
+  const ThreadWatch processor;
   if (!maker_.busy()) {
     const Camera eye = prediction_.after(frames_ahead(columns));
     if (!prediction_.speed_known() || has_one_of(eye)) return Done{};
@@ -405,8 +408,11 @@ Result<> KeyframeProducer::work(double holes_ms, double allowed_ms) {
   const bool shaded = maker_.shades();
   const Result<int> made = step(columns, watch);
   if (!made) return made.error();
-  const double ms = watch.ms();
-  done_.ms += ms;
+  done_.ms += watch.ms();
+  // Beside frames this thread makes all of it, and waits for them: frames will take its processor
+  // time, on all threads.
+  const bool by_frames = threads_of_calls() == threads_of_frames();
+  const double ms = by_frames ? watch.ms() : processor.ms() / threads_of_frames();
   note_cost(ms, *made, shaded ? 0 : ms);
   if (!maker_.busy()) complete_ = true, ++done_.completed;
   return Done{};

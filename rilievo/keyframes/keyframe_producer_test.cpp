@@ -3,10 +3,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <optional>
+#include <thread>
 #include <utility>
 
 #include "rilievo/capture/forwarding_source.h"
+#include "rilievo/core/on_this_thread.h"
 #include "rilievo/keyframes/producer_stage_test_helpers.h"
 
 namespace rilievo {
@@ -243,6 +247,49 @@ int count_completed(int samples, int frames) {
     completed += producer.take_work().completed;
   }
   return completed;
+}
+
+// Waits in each part, as a thread of the lowest priority does beside frames.
+class WaitsInParts final : public ForwardingSource {
+ public:
+  using ForwardingSource::ForwardingSource;
+  std::unique_ptr<PictureInParts> in_parts() override {
+    struct Parts final : PictureInParts {
+      Result<> begin(const CaptureRequest& request) override { return parts->begin(request); }
+      int advance(double share) override {
+        std::this_thread::sleep_for(std::chrono::milliseconds(15));
+        return parts->advance(share);
+      }
+      void read(int from, int to, DepthImage& picture) override { parts->read(from, to, picture); }
+      std::unique_ptr<PictureInParts> parts;
+    };
+    auto made = std::make_unique<Parts>();
+    made->parts = source_.in_parts();
+    return made;
+  }
+};
+
+// What is made beside frames waits for them. Frames that go on with it do not: they would have
+// taken that time for each of the next one's parts.
+TEST(KeyframeProducer, WhatWasMadeBesideFramesIsNotTakenToTakeAsLong) {
+  double frames[2] = {};
+  for (const bool beside : {false, true}) {
+    ProducerStage stage;
+    WaitsInParts source(stage.source);
+    // 16 ms a frame for what takes some milliseconds, and 15 more for each part.
+    KeyframeProducer producer(source, source, {.samples = 4, .interval = 2, .keyframe_ms = 16});
+    std::optional<OnThisThread> alone;
+    if (beside) alone.emplace();
+    for (int i = 0; i < 200 && !producer.has_two(); ++i) {
+      (void)producer.follow(ProducerStage::eye(0.02 * i), 0);
+      ASSERT_TRUE(producer.work());
+      producer.take_complete();
+    }
+    ASSERT_TRUE(producer.has_two());
+    frames[beside ? 1 : 0] = producer.frames_for_one();
+  }
+  EXPECT_LE(frames[1], 2);
+  EXPECT_GE(frames[0], 2 * frames[1]);
 }
 
 TEST(KeyframeProducer, AKeyframeTakesAFewFramesHoweverLittleTimeThereIs) {

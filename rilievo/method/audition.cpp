@@ -1,11 +1,10 @@
 #include "rilievo/method/audition.h"
 
-#include <time.h>
-
 #include <algorithm>
 #include <cmath>
 
 #include "rilievo/core/box_view.h"
+#include "rilievo/core/thread_watch.h"
 #include "rilievo/keyframes/warp_keyframes.h"
 #include "rilievo/method/frame_load.h"
 #include "rilievo/method/good_enough.h"
@@ -19,13 +18,6 @@ constexpr double kRememberedFrames = 0.8;
 constexpr double kAroundMoving = 2;
 constexpr glm::u8vec4 kCovered{kCoveredPixel & 255, kCoveredPixel >> 8 & 255,
                                kCoveredPixel >> 16 & 255, kCoveredPixel >> 24};
-
-// The processor time of this thread.
-double thread_ms() {
-  timespec at{};
-  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &at);
-  return 1e3 * double(at.tv_sec) + 1e-6 * double(at.tv_nsec);
-}
 
 }  // namespace
 
@@ -71,9 +63,9 @@ Result<> begin_audition(const ShownFrame& shown, FrameSource& frames) {
 }
 
 Result<double> time_audition(const ShownFrame& shown, FrameSource& frames) {
-  const double before = thread_ms();
+  const ThreadWatch watch;
   if (Result<> drawn = frames.draw(shown.camera, shown.time); !drawn) return drawn.error();
-  return thread_ms() - before;
+  return watch.ms();
 }
 
 Audition audition_rays(const ShownFrame& shown, int samples, RayVisibility& rays) {
@@ -91,12 +83,12 @@ Audition audition_rays(const ShownFrame& shown, int samples, RayVisibility& rays
   };
   // The first time touches memory that others do not.
   if (!cast()) return found;
-  const double before = thread_ms();
+  const ThreadWatch watch;
   if (!cast()) return found;
   const double times = pixels / (double(camera.width) * camera.height);
   // Colours by the model.
   const FrameLoad shading{.triangles = 0, .pixels = pixels, .threads = 1};
-  found.processor_ms = times * (thread_ms() - before) + shading.direct_ms();
+  found.processor_ms = times * watch.ms() + shading.direct_ms();
   return found;
 }
 
