@@ -14,11 +14,11 @@ namespace rilievo {
 enum class LayeredMethod { surfaces, slices };
 
 // The most pictures that a pixel looks up. Pictures from far aside are often wrong in what they
-// hold as certain, as their texels are wide along the ray: with ten a fern is less like itself.
-inline constexpr int kMaxViewsAsked = 8;
-// So many more are at hand, of which each pixel chooses. Along most rays two are enough: with 26
-// more a fern and a flower look the same.
-inline constexpr int kSpareViews = 2;
+// hold as certain, as their texels are wide along the ray: with eight teapots lose 0.1 dB, and a
+// helmet takes a twentieth longer.
+inline constexpr int kMaxViewsAsked = 6;
+// So many more are at hand, of which each pixel chooses. Of those of eight a fern has more ghosts.
+inline constexpr int kSpareViews = 4;
 
 // Views that are certain decide alone if they have this weight together. Views that begin to fade
 // in have less: the rest is that of the next view.

@@ -75,7 +75,7 @@ TEST(SeeThrough, a_lawn_has_all_of_its_corners_from_above_and_is_not_there_from_
       EXPECT_LT(missing, there / 25) << i << ' ' << towards.y;
       EXPECT_LT(too_many, there / 25) << i << ' ' << towards.y;
     } else {
-      // A sixtieth of the frame: of the eight pictures that are asked some look from above.
+      // A sixtieth of the frame: of the pictures along the rays some look from above.
       EXPECT_LT(too_many, 96 * 96 / 60) << i << ' ' << towards.y;
     }
   }

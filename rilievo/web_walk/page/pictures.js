@@ -50,7 +50,7 @@ if(eye_z<=0.0)discard;
 gl_FragDepth=clamp(1.0 - forward_near.w/eye_z,0.0,1.0);
 out_color=vec4(color.rgb/color.a,1.0);
 }
-`;function A(c,e){let o=[],i=0,t=4;for(let r=0;r<4;++r,t*=4)o.push(i),i+=Math.ceil(c/t);return{columns:i,rows:Math.ceil(e/4),levelAt:o}}var O=new Float32Array(1),Q=new Uint32Array(O.buffer);var _=10,Y=8,g=8,D=`#version 300 es
+`;function A(c,e){let o=[],i=0,t=4;for(let r=0;r<4;++r,t*=4)o.push(i),i+=Math.ceil(c/t);return{columns:i,rows:Math.ceil(e/4),levelAt:o}}var O=new Float32Array(1),Q=new Uint32Array(O.buffer);var _=10,Y=6,g=8,D=`#version 300 es
 precision highp float;
 uniform mat4 clip_from_local;
 uniform vec3 box_min,box_max;

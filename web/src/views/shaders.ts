@@ -6,7 +6,7 @@ import { kBlock, kFactor, kLevels } from "./surface.js";
 
 /** The most pictures of which a pixel chooses those in which it looks up its surface: their number. */
 export const kMostViews = 10;
-export const kMostAsked = 8;
+export const kMostAsked = 6;
 /** vec4s of a picture in `view_data`. */
 export const kViewVectors = 8;
 
