@@ -355,7 +355,12 @@ Result<> AutoFrames::draw(const Camera& camera, double time) {
   }
   show(camera, time, choice.draws);
   if (choice.draws == kKeyframes || keep_keyframes(camera, time, choice)) keyframes_seen_ = frame_;
-  if (choice.draws == kKeyframes) begins_with_keyframes_ = false;
+  if (choice.draws == kKeyframes) {
+    begins_with_keyframes_ = false;
+    const KeyframeShares& shares = keyframes_->shares();
+    ms = ms_when_settled(ms, shares.fill_ms, young_keyframes_);
+    young_keyframes_ = young_keyframes_ && shares.completed == 0;
+  }
   // Not beside the first captures of the cache, which take long enough.
   if (begins_with_keyframes_ && frame_ - begun_in_ >= kFirstCaptures) {
     prepare(kKeyframes, camera, time);

@@ -29,6 +29,9 @@ constexpr double kSurelyLess = 0.7;
 constexpr int kBelieved = 12;
 // What a second keyframe may bring, dB: more than it did where both were looked at.
 constexpr double kSecondBrings = 1;
+// By how much less is filled between later keyframes than between the first two: 0.3 to 0.9 along
+// five walks.
+constexpr double kLessFilled = 0.5;
 // What takes so many times as much, at most, may turn out to be cheaper; and the frames after a
 // warm-up until a decision is made.
 constexpr double kMayBeCheaper = 1.25;
@@ -128,6 +131,10 @@ bool good_beside_cache(double loss_db, std::optional<double> cache_loss_db, doub
   const bool sure = drew || (cache_loss_db && *cache_loss_db > kCertainly * allowed_db);
   if (cache_loss_db) *cache_loss_db -= kAsGoodDb;
   return good_enough(loss_db, cache_loss_db, (sure ? 1 : kCertainly) * allowed_db);
+}
+
+double ms_when_settled(double ms, double fill_ms, bool young) {
+  return young ? ms - kLessFilled * std::min(fill_ms, ms) : ms;
 }
 
 bool kept_after_trial(int frames, int warm_up, double keyframes_ms, double cache_ms) {

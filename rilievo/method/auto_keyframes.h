@@ -109,6 +109,10 @@ class KeyframesDoubt {
 [[nodiscard]] bool good_beside_cache(double loss_db, std::optional<double> cache_loss_db,
                                      double allowed_db, bool drew);
 
+// What frames of keyframes will take, where one took `ms` and `fill_ms` of that for holes: between
+// the first two there are more of these than there will be. `young`: there is no third one yet.
+[[nodiscard]] double ms_when_settled(double ms, double fill_ms, bool young);
+
 // A trial of keyframes ended so many frames ago, and the cache, which warms up for `warm_up`
 // frames, draws again. Are they kept until it is known what it takes now? It was compared by what
 // it took before; where that was little less they may be the cheaper ones, and would have to be

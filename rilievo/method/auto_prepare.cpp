@@ -212,6 +212,7 @@ Result<> AutoFrames::adopt() {
     frames = std::move(levels_.frames);
   }
   if (method == kKeyframes) {
+    young_keyframes_ = true;
     keyframes_seen_ = frame_, keyframes_again_ = frame_ + kKeyframesAgain;
     if (made_.failed) keyframes_ = nullptr, loss_[method] = {}, frames_[method].reset();
   }
