@@ -394,6 +394,13 @@ Result<> KeyframeProducer::work(double holes_ms, double allowed_ms) {
   // What is made at once says nothing of those that come then.
   at_once_ = allowed_ms == kAtOnce, allowed_ms_ = at_once_ ? 0 : allowed_ms;
   holes_ms_ += (holes_ms - holes_ms_) * kNewestHoles;
+  // Beside frames this thread makes all of it, and waits for them. Frames that go on with it take
+  // its processor time, on all threads.
+  const bool by_frames = threads_of_calls() == threads_of_frames();
+  if (by_frames && processor_columns_ > 0) {
+    ms_per_column_ = processor_ms_ / processor_columns_;
+    processor_ms_ = 0, processor_columns_ = 0;
+  }
   const Columns columns = columns_a_frame();
   if (maker_.busy() && turn_between(maker_.camera(), frame_) > kElsewhere)
     keep_memory(maker_.give_up());
@@ -408,12 +415,11 @@ Result<> KeyframeProducer::work(double holes_ms, double allowed_ms) {
   const bool shaded = maker_.shades();
   const Result<int> made = step(columns, watch);
   if (!made) return made.error();
-  done_.ms += watch.ms();
-  // Beside frames this thread makes all of it, and waits for them: frames will take its processor
-  // time, on all threads.
-  const bool by_frames = threads_of_calls() == threads_of_frames();
-  const double ms = by_frames ? watch.ms() : processor.ms() / threads_of_frames();
+  const double ms = watch.ms();
+  done_.ms += ms;
   note_cost(ms, *made, shaded ? 0 : ms);
+  if (!by_frames)
+    processor_ms_ += processor.ms() / threads_of_frames(), processor_columns_ += *made;
   if (!maker_.busy()) complete_ = true, ++done_.completed;
   return Done{};
 }

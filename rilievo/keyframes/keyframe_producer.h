@@ -165,6 +165,9 @@ class KeyframeProducer {
   double typical_z_ = 0;        // of the newest one, where time does not count; 0: not known
   std::vector<float> nearest_;  // scratch of that
   double ms_per_column_ = 0;
+  // Of what was made beside frames since these went on: what it would have taken them.
+  double processor_ms_ = 0;
+  int processor_columns_ = 0;
   double visibility_ms_ = 0, shading_ms_ = 0;  // of the last keyframe
   double holes_ms_ = 0;                        // of the last frames
   double allowed_ms_ = 0;                      // of this frame

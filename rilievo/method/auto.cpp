@@ -17,6 +17,8 @@ namespace {
 // The cache's share of direct drawing, while it was not drawn: 0.3 to 0.5 along flights, and 0.7 to
 // 0.9 indoors; of an eye that stands, whose pictures stay as they are.
 constexpr double kCacheOfDirect = 0.6, kCacheOfStanding = 0.3;
+// An eye stands after so many frames in which it has not moved: in one it may only have been slow.
+constexpr int kStands = 12;
 // What is in view is cheap until direct drawing takes so many times what pixels alone take.
 constexpr double kNotCheap = 1.25;
 // What preparing takes for each triangle of the scene's meshes, ms: rays, levels.
@@ -99,9 +101,8 @@ void AutoFrames::look(const Camera& camera) {
                                : off_[kDirect] * slowness_.value() * load.direct_ms();
   outlook_[kCache] = {caches_ && !cheap_ && !shared_chooser_->cache_failed(), false, true, 0, 0};
   // What polygons took when they drew says nothing of what is in view now.
-  outlook_[kCache].prior_ms =
-      (shown_ && same_view(camera, shown_camera_) ? kCacheOfStanding : kCacheOfDirect) *
-      off_[kDirect] * slowness_.value() * load.direct_ms();
+  outlook_[kCache].prior_ms = (still_frames_ >= kStands ? kCacheOfStanding : kCacheOfDirect) *
+                              off_[kDirect] * slowness_.value() * load.direct_ms();
   if (frame_ > 0 && decision_->mean_ms(kCache) == 0)
     outlook_[kCache].guess_ms = outlook_[kCache].prior_ms;
   for (const int method : {int(kRays), int(kLevels), int(kKeyframes)}) {
@@ -320,6 +321,7 @@ Result<> AutoFrames::draw(const Camera& camera, double time) {
   }
   if (Result<> adopted = adopt(); !adopted) return adopted;
   eye_.follow(camera);
+  still_frames_ = frame_ > 0 && same_view(camera, shown_camera_) ? still_frames_ + 1 : 0;
   // What was seen of them was elsewhere.
   if (eye_.jumped() && drawn_by_ == kKeyframes)
     loss_[kKeyframes].db.reset(), keyframes_->forget_loss();
@@ -358,8 +360,8 @@ Result<> AutoFrames::draw(const Camera& camera, double time) {
   if (choice.draws == kKeyframes) {
     begins_with_keyframes_ = false;
     const KeyframeShares& shares = keyframes_->shares();
-    ms = ms_when_settled(ms, shares.fill_ms, young_keyframes_);
-    young_keyframes_ = young_keyframes_ && shares.completed == 0;
+    ms = ms_when_settled(ms, shares.fill_ms, young_keyframes_ > 0);
+    young_keyframes_ = shares.completed > 0 ? 0 : std::max(young_keyframes_ - 1, 0);
   }
   // Not beside the first captures of the cache, which take long enough.
   if (begins_with_keyframes_ && frame_ - begun_in_ >= kFirstCaptures) {

@@ -11,10 +11,10 @@ namespace {
 // Keyframes begin where direct drawing takes so many times as long, by counts: along flights 3
 // to 6. Nothing is counted where its model is below the second.
 constexpr double kKeyframesPay = 2.75, kKeyframesMayPay = 1.3;
-// A first frame that is counted to take less is drawn twice, ms: keyframes that take much less than
-// polygons are made whatever these take. And what polygons take of the smaller one of what is
-// counted and the first frame's time: 0.45 to 0.86 along eight walks, but not much less than they
-// do, or they would be tried for nothing.
+// The first frame of all is drawn twice if it is counted to take less, ms: keyframes that take much
+// less than polygons are made whatever these take. Else polygons are taken to take that share of
+// what was counted, or of the first frame's time if that is less: along eight walks they took 0.45
+// to 1.1 of it. What is taken to be too cheap would be tried for nothing.
 constexpr double kDrawnAgainMs = 100, kOfFirst = 0.8;
 // Levels of detail leave about so many triangles for a pixel of an object's bounds, and so many of
 // an object at least.
@@ -107,7 +107,8 @@ Result<bool> AutoFrames::keyframes_pay(const Camera& camera, double time) {
   const double counted_ms = load_.by_threads(shared_chooser_->counted_ms());
   // It touched memory for the first time. Where much depends on how long it takes from then on, it
   // is drawn again.
-  if (counted_ms < kDrawnAgainMs) {
+  const bool again = frame_ == 0 && counted_ms < kDrawnAgainMs;
+  if (again) {
     const Stopwatch warm;
     if (Result<> drawn = frames_[kDirect]->draw(camera, time); !drawn) return drawn.error();
     begun_ms_ = warm.ms();
@@ -116,7 +117,7 @@ Result<bool> AutoFrames::keyframes_pay(const Camera& camera, double time) {
     begun_ms_ = kOfFirst * std::min(watch.ms(), slowness_.value() * counted_ms);
   }
   learn_direct(begun_ms_, false);
-  direct_counted_ = true;
+  direct_counted_ = !again;
   cheap_ = counted_ms < load_.pixels_ms();
   const bool keeps_pace =
       options_.fps > 0 && begun_ms_ < AutoDecision::kKeepsPace * 1000 / options_.fps;

@@ -177,7 +177,7 @@ int AutoDecision::best_known(std::span<const AutoOutlook> outlook) const {
     const AutoOutlook& one = outlook[std::size_t(i)];
     if (i == draws_ || !one.ready || !one.good_enough || cost.mean_ms == 0 || cost.age > kKnown)
       continue;
-    if (!comparable(i, outlook)) continue;
+    if (!comparable(plausible(i, one), i, outlook)) continue;
     const double ms = unexplained(i) * expected(i, one);
     if (!better(ms, i, best_ms, best)) continue;
     best = i, best_ms = ms;
@@ -195,7 +195,7 @@ int AutoDecision::worth_trying(std::span<const AutoOutlook> outlook, bool ready)
     const AutoOutlook& one = outlook[std::size_t(i)];
     if (i == draws_ || !(ready ? one.ready : one.preparable) || !one.good_enough) continue;
     if (cost.fails > 0 && cost.age < cost.gap) continue;
-    if (ready && !comparable(i, outlook)) continue;
+    if (ready && !comparable(plausible(i, one), i, outlook)) continue;
     const double hope = hoped(i, one), likely = std::max(plausible(i, one), hope);
     const AutoCandidate& candidate = candidates_[std::size_t(i)];
     if (!better(hope, i, now, draws_)) continue;
@@ -307,7 +307,8 @@ void AutoDecision::end_trial(std::span<const AutoOutlook> outlook) {
   cost.measured += cost.frames;
   cost.recent.set(cost.mean_ms, cost.frames), cost.dear.forget();
   const double drawing_ms = (tried_in_warm_up_ ? kPlainlyWorth : 1) * drawing.mean_ms;
-  if (now.ready && now.good_enough && better(cost.mean_ms, tried, drawing_ms, draws_)) {
+  if (now.ready && now.good_enough && better(cost.mean_ms, tried, drawing_ms, draws_) &&
+      comparable(cost.mean_ms, tried, outlook)) {
     change(tried);
     reason_ = AutoReason::cheapest;
     return;
@@ -327,7 +328,7 @@ AutoChoice AutoDecision::next(std::span<const AutoOutlook> outlook, bool jumped,
     if (i != draws_) cost.age += jumped ? kJumpAges : 1;
     if (!jumped) continue;
     // What was learned is of another place.
-    cost.fails = 0;
+    cost.fails = 0, cost.prior_ms = 0;
     cost.frames = std::min(cost.frames, 2);
     cost.recent.forget(), cost.dear.forget();
   }
@@ -413,12 +414,12 @@ AutoChoice AutoDecision::next(std::span<const AutoOutlook> outlook, bool jumped,
 // May it be compared with what draws? While that takes much more than it did at its best, and its
 // model does not say why, other programs may have slowed down all that would draw: then only if it
 // takes less than that did at its best.
-bool AutoDecision::comparable(int i, std::span<const AutoOutlook> outlook) const {
+bool AutoDecision::comparable(double ms, int i, std::span<const AutoOutlook> outlook) const {
   if (unsettled_ == 0) return true;
   const Cost& cost = costs_[std::size_t(draws_)];
   const double guess_ms = outlook[std::size_t(draws_)].guess_ms;
   const double calm_ms = cost.calm * (cost.calm_of_guess ? guess_ms : 1);
-  return better(plausible(i, outlook[std::size_t(i)]), i, calm_ms, draws_);
+  return better(ms, i, calm_ms, draws_);
 }
 
 // What draws took that, over what its model says if it has one.
@@ -478,7 +479,10 @@ void AutoDecision::add(double ms, bool disturbed) {
     ms = std::min(ms, most_ms);
   }
   usual_ms += (ms - usual_ms) * newest;
-  if (!cost.dear.come_back()) note_less(usual_ms, ms);
+  if (cost.dear.come_back())
+    less_ = 0;
+  else
+    note_less(usual_ms, ms);
   cost.mean_ms = usual_ms + cost.dear.mean_ms();
   if (cost.frames > kLast && !disturbed && guess_ms > 0 && cost.guess_ms > 0)
     slow_ *= cost.mean_ms / before_ms * cost.guess_ms / guess_ms;

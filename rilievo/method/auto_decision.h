@@ -15,8 +15,9 @@
 // changes costs next to nothing, and where the costs change the next trial is soon.
 //
 // Other programs slow some frames down. So while what draws takes much more than it did at its
-// best, and its model does not say why, nothing is tried and nothing is changed for but what takes
-// less than that did; after a dozen such frames that begins to grow. What took much more than it
+// best, and its model does not say why, nothing is tried but what takes less than that did. For a
+// dozen such frames nothing is changed for, and nothing prepared; then neither but for what takes
+// less, and what it did at its best begins to grow. What took much more than it
 // took at its best, or of few frames than its model says, is tried again after its gap as if it
 // took that.
 //
@@ -148,7 +149,7 @@ class AutoDecision {
   void change(int to);
   void begin_trial(int of, std::span<const AutoOutlook> outlook);
   void end_trial(std::span<const AutoOutlook> outlook);
-  [[nodiscard]] bool comparable(int i, std::span<const AutoOutlook> outlook) const;
+  [[nodiscard]] bool comparable(double ms, int i, std::span<const AutoOutlook> outlook) const;
   [[nodiscard]] double over_guess(double ms) const;
   void note_calm(Cost& cost);
   void note_less(double& mean_ms, double ms);

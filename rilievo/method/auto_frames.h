@@ -151,14 +151,15 @@ class AutoFrames final : public FrameSource {
   DirectOrCached* shared_chooser_ = nullptr;       // of frames_[kDirect]
   std::unique_ptr<FrameSource> frames_[kMethods];  // kCache: none, they are kDirect's
   KeyframeFrames* keyframes_ = nullptr;            // of frames_[kKeyframes]
-  int keyframes_seen_ = 0;        // the last frame that they drew, or were prepared for
-  bool young_keyframes_ = false;  // since they were prepared none was completed
-  int keyframes_again_ = 0;       // the first frame in which they may be prepared again
-  AutoLevels levels_;             // of frames_[kLevels]
-  double looked_triangles_ = 0;   // in view, when it was seen what they lose
+  int keyframes_seen_ = 0;   // the last frame that they drew, or were prepared for
+  int young_keyframes_ = 0;  // frames until they are as they will be, if none is completed before
+  int keyframes_again_ = 0;  // the first frame in which they may be prepared again
+  AutoLevels levels_;        // of frames_[kLevels]
+  double looked_triangles_ = 0;  // in view, when it was seen what they lose
   FrameSource* active_ = nullptr;
   FrameFade fade_;                         // from another method's frames
   int fades_out_ = -1;                     // that method
+  int still_frames_ = 0;                   // the eye has not moved for so many
   const SoftwareTarget* shown_ = nullptr;  // the last frame; null: no software drew it
   Camera shown_camera_;
   bool refined_ = false;  // levels draw with a smaller error from the next frame on

@@ -148,6 +148,8 @@ void AutoFrames::show(const Camera& camera, double time, int drawn_by) {
 }
 
 void AutoFrames::look_at_prepared() {
+  // What the cache lost with another error, or elsewhere, is not compared.
+  if (made_.jumped || made_.error_px != options_.error_px) made_.found = {};
   stage_ = Preparing::looked_at;
   prepared_ = false;
   beside_->run(
@@ -212,7 +214,7 @@ Result<> AutoFrames::adopt() {
     frames = std::move(levels_.frames);
   }
   if (method == kKeyframes) {
-    young_keyframes_ = true;
+    young_keyframes_ = kKeyframesDwell;
     keyframes_seen_ = frame_, keyframes_again_ = frame_ + kKeyframesAgain;
     if (made_.failed) keyframes_ = nullptr, loss_[method] = {}, frames_[method].reset();
   }

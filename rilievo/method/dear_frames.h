@@ -1,6 +1,6 @@
 // Frames that take much more than others and come back every few frames: as the cache's that
-// capture every third time, or keyframes' that end one. They belong to what a method takes. A row
-// of slow frames, or two, are the work of another program, and do not.
+// capture every third time, or keyframes' that end one. They belong to what a method takes. Slow
+// frames in one row, or in two, are the work of another program, and do not.
 #pragma once
 
 #include <algorithm>

@@ -27,31 +27,36 @@ double MachineSlowness::estimate() const {
   for (std::size_t i = 0; i < of_.size(); ++i) {
     if (of_[i].frames == 0) continue;
     const double weight = 1 / (kDeviation[i] * kDeviation[i]);
-    sum += weight * (of_[i].mean - kUsual[i]);
+    sum += weight * (of_[i].mean - changed_ - kUsual[i]);
     weights += weight;
   }
-  return std::clamp(std::exp(sum / weights), kFastest, kSlowest);
+  return std::clamp(std::exp(changed_ + sum / weights), kFastest, kSlowest);
 }
 
 double MachineSlowness::add(Source source, double times, bool at_most) {
   RILIEVO_EXPECTS(times > 0);
   Of& of = of_[std::size_t(source)];
-  const double said = std::log(times), before = value_;
-  if (at_most && of.frames > 0 && said > of.mean) return 1;
+  const double said = std::log(times), before = value_,
+               expected = of.frames > 0 ? of.mean : std::log(value_) + kUsual[source];
+  if (at_most && said > expected) return 1;
+  const bool any_usual = std::ranges::any_of(of_, [](const Of& one) { return one.frames > kFew; });
   const double step = (said - of.mean) * newest_share(kNewest, ++of.frames);
-  const bool usual = of.frames > kFew;
-  if (usual)
-    shift(step);
-  else
-    of.mean += step;
-  value_ = usual ? std::clamp(before * std::exp(step), kFastest, kSlowest) : estimate();
-  calm_ = usual ? std::min((1 + kCalmGrows) * calm_, value_) : value_;
-  return usual ? 1 : value_ / before;
+  if (of.frames > kFew) {
+    value_ = std::clamp(before * std::exp(step), kFastest, kSlowest);
+    shift(std::log(value_ / before));
+    calm_ = std::min((1 + kCalmGrows) * calm_, value_);
+    return 1;
+  }
+  of.mean += step;
+  value_ = estimate();
+  calm_ = any_usual ? calm_ * value_ / before : value_;
+  return value_ / before;
 }
 
 // The machine has become slower by that, so that all would take as much more.
 void MachineSlowness::shift(double by) {
   for (Of& of : of_) of.mean += by;
+  changed_ += by;
 }
 
 void MachineSlowness::forget() {

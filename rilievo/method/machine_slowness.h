@@ -45,6 +45,7 @@ class MachineSlowness {
 
   std::array<Of, kSources> of_;
   double value_ = 1, calm_ = 1;  // calm_: at its best, of late
+  double changed_ = 0;           // logarithm of how much slower it has become
 };
 
 }  // namespace rilievo

@@ -82,12 +82,15 @@ TEST(MachineSlowness, what_changes_later_is_the_machine_whoever_draws) {
 
 TEST(MachineSlowness, frames_that_capture_say_only_that_it_is_faster) {
   MachineSlowness slowness;
-  slowness.add(Source::cache, 3, true);
-  const double first = slowness.value();
-  EXPECT_EQ(slowness.add(Source::cache, 20, true), 1);
-  EXPECT_EQ(slowness.value(), first);
-  EXPECT_LT(slowness.add(Source::cache, 1.5, true), 1);
-  EXPECT_LT(slowness.value(), first);
+  for (const double times : {20.0, 3.0}) {
+    EXPECT_EQ(slowness.add(Source::cache, times, true), 1);
+    EXPECT_EQ(slowness.value(), 1);
+  }
+  EXPECT_LT(slowness.add(Source::cache, 0.5, true), 1);
+  EXPECT_LT(slowness.value(), 1);
+  const double before = slowness.value();
+  EXPECT_EQ(slowness.add(Source::cache, 0.7, true), 1);
+  EXPECT_EQ(slowness.value(), before);
 }
 
 TEST(MachineSlowness, other_programs_are_forgotten_while_nothing_is_said) {
@@ -107,6 +110,43 @@ TEST(MachineSlowness, stays_within_its_limits) {
   EXPECT_EQ(slowness.value(), MachineSlowness::kFastest);
   for (int i = 0; i < 1000; ++i) slowness.add(Source::polygons, 1e6);
   EXPECT_EQ(slowness.value(), MachineSlowness::kSlowest);
+}
+
+// A look at the sky, or at what is hidden behind a wall, says nothing for ever.
+TEST(MachineSlowness, comes_back_from_its_limits) {
+  for (const double extreme : {0.02, 50.0}) {
+    MachineSlowness slowness;
+    for (int i = 0; i < 40; ++i) slowness.add(Source::polygons, 1);
+    const double usual = slowness.value();
+    for (int i = 0; i < 200; ++i) slowness.add(Source::polygons, extreme);
+    EXPECT_EQ(slowness.value(),
+              extreme < 1 ? MachineSlowness::kFastest : MachineSlowness::kSlowest);
+    for (int i = 0; i < 300; ++i) slowness.add(Source::polygons, 1);
+    EXPECT_NEAR(slowness.value() / usual, 1, 0.01) << extreme;
+  }
+}
+
+// In a busy moment another one draws for the first time: what is calm is as calm as before.
+TEST(MachineSlowness, a_second_source_in_a_busy_moment_is_forgotten_too) {
+  MachineSlowness slowness;
+  for (int i = 0; i < 40; ++i) slowness.add(Source::cache, 2);
+  const double calm = slowness.value();
+  for (int i = 0; i < 12; ++i) slowness.add(Source::cache, 6);
+  const double busy = slowness.value();
+  const double more = slowness.add(Source::polygons, 2.1);
+  EXPECT_NEAR(slowness.value(), busy * more, 1e-12);
+  for (int i = 0; i < 2000; ++i) slowness.forget();
+  EXPECT_NEAR(slowness.value() / (calm * more), 1, 0.05);
+}
+
+// Four times as slow as it was: a source that says just that changes nothing.
+TEST(MachineSlowness, what_agrees_with_a_machine_that_has_changed_changes_nothing) {
+  MachineSlowness slowness;
+  for (int i = 0; i < 40; ++i) slowness.add(Source::polygons, std::exp(-0.4));
+  EXPECT_NEAR(slowness.value(), 1, 1e-12);
+  for (int i = 0; i < 300; ++i) slowness.add(Source::polygons, 4 * std::exp(-0.4));
+  EXPECT_NEAR(slowness.value(), 4, 0.01);
+  EXPECT_NEAR(slowness.add(Source::cache, 4 * std::exp(0.25)), 1, 0.01);
 }
 
 }  // namespace
