@@ -204,7 +204,7 @@ int AutoDecision::worth_trying(std::span<const AutoOutlook> outlook, bool ready)
     // But what captures when it returns is a frame of several times the time: something in view
     // must have changed for that.
     if (candidate.warm_up >= kWarmsUpLong && one.prior_ms > kAsMuch * cost.prior_ms &&
-        cost.prior_ms > 0 && likely > kMaySpike * free_ms())
+        cost.prior_ms > 0 && !better(likely, i, free_ms(), draws_))
       continue;
     if (!trials_.affords({candidate.warm_up, likely, cost.mean_ms > 0}, free_ms(), now)) continue;
     const double gains = now - (hope + likely) / 2, pays = kPaysWithin * candidate.chance * gains;
