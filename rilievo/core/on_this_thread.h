@@ -20,7 +20,7 @@ class OnThisThread {
 // while an OnThisThread lives, and no more than its TBB arena and a host's tbb::global_control
 // allow.
 [[nodiscard]] int threads_of_calls();
-// The same, did no OnThisThread live.
+// The same as if no OnThisThread lived: the threads of frames, for a worker beside them.
 [[nodiscard]] int threads_of_frames();
 
 }  // namespace rilievo

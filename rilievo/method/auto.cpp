@@ -94,15 +94,15 @@ Result<std::unique_ptr<AutoFrames>> AutoFrames::create(const MethodOptions& opti
 void AutoFrames::look(const Camera& camera) {
   if (frame_ % kLookFrames == 0 || eye_.jumped()) measure_load(camera);
   const FrameLoad& load = load_;
-  outlook_[kDirect] = {true, false, true, slowness_.value() * load.direct_ms(), 0};
-  const double direct_mean_ms = decision_->mean_ms(kDirect),
-               direct_ms = direct_mean_ms > 0
-                               ? direct_mean_ms
-                               : off_[kDirect] * slowness_.value() * load.direct_ms();
+  const double slowness = slowness_.value(), polygons_ms = slowness * load.direct_ms(),
+               direct_guess_ms = off_[kDirect] * polygons_ms,
+               direct_mean_ms = decision_->mean_ms(kDirect),
+               direct_ms = direct_mean_ms > 0 ? direct_mean_ms : direct_guess_ms;
+  outlook_[kDirect] = {true, false, true, polygons_ms, 0};
   outlook_[kCache] = {caches_ && !cheap_ && !shared_chooser_->cache_failed(), false, true, 0, 0};
   // What polygons took when they drew says nothing of what is in view now.
-  outlook_[kCache].prior_ms = (still_frames_ >= kStands ? kCacheOfStanding : kCacheOfDirect) *
-                              off_[kDirect] * slowness_.value() * load.direct_ms();
+  outlook_[kCache].prior_ms =
+      (still_frames_ >= kStands ? kCacheOfStanding : kCacheOfDirect) * direct_guess_ms;
   if (frame_ > 0 && decision_->mean_ms(kCache) == 0)
     outlook_[kCache].guess_ms = outlook_[kCache].prior_ms;
   for (const int method : {int(kRays), int(kLevels), int(kKeyframes)}) {
@@ -112,10 +112,10 @@ void AutoFrames::look(const Camera& camera) {
     one.preparable = options_.by_clock && !one.ready && !failed_[method];
   }
   // OpenGL's time says nothing of what processors take.
-  const double slow = backend_.drawn_by() == DrawnBy::opengl ? 1 : slowness_.value();
+  const double slow = backend_.drawn_by() == DrawnBy::opengl ? 1 : slowness;
   outlook_[kRays].guess_ms = slow * load.rays_ms();
   outlook_[kRays].prepare_ms = kOfFrames * slow * kRaysTriangleMs * double(meshes_triangles_);
-  outlook_[kLevels].guess_ms = slowness_.value() * load.levels_ms();
+  outlook_[kLevels].guess_ms = slowness * load.levels_ms();
   outlook_[kLevels].prepare_ms = (in_a_hurry(outlook_[kLevels].guess_ms) ? 1 : kOfFrames) * slow *
                                  kLevelsTriangleMs * double(meshes_triangles_);
   AutoOutlook& keyframes = outlook_[kKeyframes];

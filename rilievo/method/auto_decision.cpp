@@ -49,9 +49,10 @@ constexpr double kBestGrows = 0.015;
 // Frames in a row of at most this share of the mean are not by chance.
 constexpr double kNotByChance = 0.87;
 constexpr int kLessInARow = 3;
-// What contradicts what is plausible, and was measured in fewer frames than these, is not believed
-// for ever.
-constexpr double kContradicts = AutoTrials::kContradicts;
+// What contradicts what is plausible, so many times as much, and was measured in fewer frames than
+// kSure, is not believed for ever. No more than what a trial may take: what is between the two
+// would not be tried again.
+constexpr double kContradicts = AutoDecision::kMaySpike;
 // The same of a model that is too rough to say what changes.
 constexpr double kContradictsPrior = 1.5;
 constexpr int kSure = 60;

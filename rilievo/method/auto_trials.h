@@ -30,9 +30,6 @@ class AutoTrials {
   static constexpr double kClose = 0.15;
   // What warms up for so many frames is dear to return to.
   static constexpr int kWarmsUpLong = 5;
-  // What is not believed for ever: a time so many times the plausible one. No more than what a
-  // trial may take (AutoDecision::kMaySpike): what is between the two would not be tried again.
-  static constexpr double kContradicts = 1.25;
   // A frame that takes so many times the median of the last ones is the work of other programs.
   static constexpr double kMuch = 1.3;
 

@@ -4,7 +4,6 @@
 
 #include <string>
 
-#include "rilievo/layered_impostor/draw_options.h"
 #include "rilievo/render/opengl/outline_shader.h"
 #include "rilievo/render/opengl/scene_shaders.h"
 #include "rilievo/warp/surface_pyramid.h"

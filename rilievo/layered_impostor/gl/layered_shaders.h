@@ -7,11 +7,12 @@
 #include <glm/glm.hpp>
 
 #include "rilievo/gl/object.h"
+#include "rilievo/layered_impostor/draw_options.h"
 
 namespace rilievo::shader {
 
 // The largest number of pictures of which a pixel chooses those that it looks up.
-inline constexpr int kMaxViewsAtHand = 10;
+inline constexpr int kMaxViewsAtHand = kMaxViewsAsked + kSpareViews;
 // The largest number of impostors in one draw call of the surface program, the size of its blocks.
 inline constexpr int kMaxInstances = 12;
 
