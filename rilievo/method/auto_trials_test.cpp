@@ -133,5 +133,16 @@ TEST(AutoTrials, to_return_to_what_warms_up_for_long_is_an_expense) {
   EXPECT_TRUE(trials.affords(outlook, kNow, kNow));
 }
 
+// As in scan-orbit, whose keyframes take 13 ms: a cache that a rough guess says to take 18, and
+// that may take 14, captured in frames of 33 to find out.
+TEST(AutoTrials, to_begin_with_what_warms_up_for_long_for_no_likely_gain_is_an_expense) {
+  AutoTrials trials(12);
+  TrialOutlook outlook{.warm_up = 12, .likely_ms = 1.02 * kNow, .measured = false};
+  EXPECT_FALSE(trials.affords(outlook, kNow, kNow));
+  // After some hundred frames it is a small share of all.
+  for (int i = 0; i < 250; ++i) trials.add_other(kNow);
+  EXPECT_TRUE(trials.affords(outlook, kNow, kNow));
+}
+
 }  // namespace
 }  // namespace rilievo
