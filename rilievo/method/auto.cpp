@@ -131,7 +131,9 @@ void AutoFrames::look(const Camera& camera) {
     outlook_[kLevels].ready = outlook_[kLevels].preparable = false;
   if (keyframes_) {
     const bool recent = preparing_ != kKeyframes && frame_ - keyframes_seen_ <= kKeyframesLast;
-    keyframes.ready = recent && keyframes_->prepared();
+    // A first one, from before the first frame, draws before there are two.
+    keyframes.ready =
+        recent && (decision_->draws() == kKeyframes ? keyframes_->any() : keyframes_->prepared());
     keyframes.preparable = !keyframes.ready && frame_ >= keyframes_again_;
     keyframes.prepare_ms = kOfFrames * kFirstKeyframes * kKeyframeMs;
   }
@@ -169,7 +171,10 @@ bool AutoFrames::good_enough(int method) {
   const bool drew = decision_->mean_ms(method) > 0;
   const auto good = [&] {
     if (!of.db) return true;
-    if (method == kKeyframes) return good_beside_cache(*of.db, cache_loss_, options_.loss_db, drew);
+    // What was refused must certainly be good to draw again: else it would come and go.
+    const bool known = drew && (of.refusals == 0 || drawn_by_ == kKeyframes);
+    if (method == kKeyframes)
+      return good_beside_cache(*of.db, cache_loss_, options_.loss_db, known);
     // Nobody has seen it yet: what was looked at is one frame.
     const double sure = !drew ? kCertainly : method == kLevels ? kOfLevels : 1;
     return rilievo::good_enough(*of.db, cache_loss_, sure * options_.loss_db);
@@ -307,7 +312,7 @@ Result<> AutoFrames::draw_objects() {
 }
 
 Result<> AutoFrames::draw(const Camera& camera, double time) {
-  begun_drawn_ = false;
+  begun_drawn_ = -1;
   if (camera.width != width_ || camera.height != height_)
     if (Result<> begun = begin(camera, time); !begun) return begun;
   if (only_direct_) {
@@ -325,6 +330,7 @@ Result<> AutoFrames::draw(const Camera& camera, double time) {
   // What was seen of them was elsewhere.
   if (eye_.jumped() && drawn_by_ == kKeyframes)
     loss_[kKeyframes].db.reset(), keyframes_->forget_loss();
+  if (eye_.jumped() && made_.keyframes) made_.jumped = true, made_.jumped_in = frame_;
   // Nor are they kept for here.
   if (eye_.jumped() && decision_->draws() != kKeyframes)
     keyframes_seen_ = frame_ - kKeyframesLast - 1;
@@ -347,8 +353,8 @@ Result<> AutoFrames::draw(const Camera& camera, double time) {
   active_ = frames_[choice.draws == kCache ? kDirect : choice.draws].get();
   double ms = begun_ms_;
   // What begins shows the first frame: polygons would be a change of method in the next one.
-  const bool begins = std::exchange(begun_drawn_, false),
-             has_drawn = begins && choice.draws == kDirect;
+  const int drew = std::exchange(begun_drawn_, -1);
+  const bool begins = drew >= 0, has_drawn = drew == choice.draws;
   if (!has_drawn) {
     const Stopwatch watch;
     if (Result<> drawn = active_->draw(camera, time); !drawn) return drawn;

@@ -14,10 +14,10 @@
 // gives the same frames.
 //
 // A scene that has few triangles for the frame's pixels is drawn directly, and nothing else is
-// made. The cache and direct drawing are one chooser's. Where keyframes promise much the first two
-// frames make two, or one that is hopeless, and wait for that; everything else is prepared beside
-// the frames, which do not wait for it, and not before it may pay. Where another method begins to
-// draw the frames before fade out.
+// made. The cache and direct drawing are one chooser's. Where keyframes promise much the first
+// frame makes the first one, and they draw from then on if it is certainly good enough. Everything
+// else is prepared by parts of frames, or beside the frames, which do not wait for it, and not
+// before it may pay. Where another method begins to draw the frames before fade out.
 #pragma once
 
 #include <string_view>

@@ -3,7 +3,10 @@
 
 #include "rilievo/core/box_view.h"
 #include "rilievo/core/stopwatch.h"
+#include "rilievo/frame/software/software_backend.h"
 #include "rilievo/method/auto_frames.h"
+#include "rilievo/method/good_enough.h"
+#include "rilievo/render/software/software_target.h"
 
 namespace rilievo {
 namespace {
@@ -11,6 +14,8 @@ namespace {
 // Keyframes begin where direct drawing takes so many times as long, by counts: along flights 3
 // to 6. Nothing is counted where its model is below the second.
 constexpr double kKeyframesPay = 2.75, kKeyframesMayPay = 1.3;
+// And it is seen how good they are where polygons take so many times as long.
+constexpr double kKeyframesWorthALook = 1 / AutoDecision::kWorthPreparing;
 // The first frame of all is drawn twice if it is counted to take less, ms: keyframes that take much
 // less than polygons are made whatever these take. Else polygons are taken to take that share of
 // what was counted, or of the first frame's time if that is less: along eight walks they took 0.45
@@ -79,31 +84,47 @@ Result<> AutoFrames::begin(const Camera& camera, double time) {
   if (options_.by_clock && active_->software_target())
     fade_.end(), fade_.reserve(camera.width, camera.height);
   measure_load(camera);
-  const Result<bool> pay = keyframes_pay(camera, time);
-  if (!pay) return pay.error();
-  begins_with_keyframes_ = *pay, begun_in_ = frame_;
+  begun_in_ = frame_;
+  begins_with_ = kDirect;
+  if (Result<> found = find_beginning(camera, time); !found) return found;
   made_.usual.forget();
   // To try the cache later is dear: it captures for several frames. Direct drawing is tried at any
   // time.
-  decision_.emplace(kCandidates, caches_ && !cheap_ ? kCache : kDirect, pace_ms);
+  if (begins_with_ == kDirect && caches_ && !cheap_) begins_with_ = kCache;
+  decision_.emplace(kCandidates, begins_with_, pace_ms);
   width_ = camera.width, height_ = camera.height;
   return Done{};
 }
 
-// Does direct drawing take so long that keyframes are made from the first frame on? Draws the
-// frame, whose work is counted: times of a first frame say little.
-Result<bool> AutoFrames::keyframes_pay(const Camera& camera, double time) {
+// Polygons take so many times what keyframes do, by models, if polygons take that.
+double AutoFrames::polygons_over_keyframes(double direct_ms) const {
+  return direct_ms / (load_.keyframes_ms() + FrameLoad::kKeyframesOfDirect * direct_ms);
+}
+
+// Where polygons take long keyframes are made from the first frame on, and before the first one of
+// all it is seen how good they are.
+Result<> AutoFrames::find_beginning(const Camera& camera, double time) {
   if (!options_.by_clock || !caches_ || failed_[kKeyframes] || meshes_triangles_ > kMostForLoss ||
       backend_.drawn_by() != DrawnBy::software || preparing_ >= 0)
-    return false;
-  const auto pay = [&](double times, double direct_ms) {
-    return direct_ms >= times * (load_.keyframes_ms() + FrameLoad::kKeyframesOfDirect * direct_ms);
-  };
-  if (!pay(kKeyframesMayPay, load_.direct_ms())) return false;
+    return Done{};
+  if (polygons_over_keyframes(load_.direct_ms()) < kKeyframesMayPay) return Done{};
+  const Result<bool> pay = count_polygons(camera, time);
+  if (!pay) return pay.error();
+  const bool keeps_pace =
+      options_.fps > 0 && begun_ms_ < AutoDecision::kKeepsPace * 1000 / options_.fps;
+  if (keeps_pace) return Done{};
+  begins_with_keyframes_ = *pay;
+  const double direct_ms = begun_ms_ / slowness_.value();
+  const bool looks = frame_ == 0 && polygons_over_keyframes(direct_ms) >= kKeyframesWorthALook;
+  return looks ? look_at_keyframes(camera, time) : Done{};
+}
+
+// Draws the frame and counts its work, since times of a first frame say little. Do keyframes pay?
+Result<bool> AutoFrames::count_polygons(const Camera& camera, double time) {
   const Stopwatch watch;
   shared_chooser_->use_cache(false);
   if (Result<> drawn = frames_[kDirect]->draw(camera, time); !drawn) return drawn.error();
-  begun_drawn_ = true;
+  begun_drawn_ = kDirect;
   const double counted_ms = load_.by_threads(shared_chooser_->counted_ms());
   // It touched memory for the first time. Where much depends on how long it takes from then on, it
   // is drawn again.
@@ -119,9 +140,46 @@ Result<bool> AutoFrames::keyframes_pay(const Camera& camera, double time) {
   learn_direct(begun_ms_, false);
   direct_counted_ = !again;
   cheap_ = counted_ms < load_.pixels_ms();
-  const bool keeps_pace =
-      options_.fps > 0 && begun_ms_ < AutoDecision::kKeepsPace * 1000 / options_.fps;
-  return !keeps_pace && pay(kKeyframesPay, counted_ms);
+  return polygons_over_keyframes(counted_ms) >= kKeyframesPay;
+}
+
+// Makes the first keyframe, which later ones would wait for in any case. Where it is certainly good
+// enough it draws from the first frame on, and no frame is ever slower than it need be; where it is
+// not, and never will be, nothing more is made; else it is the first one of those that frames make.
+Result<> AutoFrames::look_at_keyframes(const Camera& camera, double time) {
+  Result<SoftwareBackend*> software = backend_.software();
+  if (!software) return software.error();
+  Result<std::unique_ptr<KeyframeFrames>> made = make_keyframes((*software)->scene());
+  failed_[kKeyframes] = !made || !(*made)->draw(camera, time);
+  if (failed_[kKeyframes]) return begins_with_keyframes_ = false, Done{};
+  KeyframeFrames& frames = **made;
+  if (!frames.any()) return Done{};
+  const Image<float>& inverse_z = frames_[kDirect]->software_target()->inverse_z();
+  const Result<std::optional<double>> loss_db = loss_aside(camera, time, inverse_z, frames);
+  failed_[kKeyframes] = !loss_db;
+  if (!loss_db) return begins_with_keyframes_ = false, Done{};
+  const bool good = *loss_db && good_beside_cache(**loss_db, std::nullopt, options_.loss_db, false);
+  const bool hopeless =
+      !*loss_db || first_is_hopeless(**loss_db, std::nullopt, options_.loss_db, false);
+  if (!good && !hopeless && begins_with_keyframes_) {
+    made_.keyframes = std::move(*made);
+    return Done{};
+  }
+  begins_with_keyframes_ = false;
+  loss_[kKeyframes] = {.db = *loss_db, .seen_in = frame_, .refusals = good ? 0 : 1};
+  const Stopwatch watch;
+  if (good)
+    if (Result<> drawn = frames.draw(camera, time); !drawn) return drawn;
+  const double ms = watch.ms() - frames.shares().keyframe_ms;
+  Result<std::unique_ptr<FrameSource>> presented = backend_.present(std::move(*made));
+  if (!presented) return presented.error();
+  keyframes_ = &frames;
+  frames_[kKeyframes] = std::move(*presented);
+  keyframes_seen_ = frame_, keyframes_again_ = frame_ + kKeyframesAgain;
+  if (!good) return Done{};
+  begins_with_ = begun_drawn_ = kKeyframes, begun_ms_ = ms;
+  young_keyframes_ = kKeyframesDwell;
+  return Done{};
 }
 
 }  // namespace rilievo

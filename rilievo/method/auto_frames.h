@@ -56,6 +56,8 @@ class AutoFrames final : public FrameSource {
   static constexpr double kKeyframesChance = 0.5;
   // Until there are three: those that began are filled more where the eye leaves the second one.
   static constexpr int kKeyframesDwell = 48;
+  // Keyframes that nobody wanted are made again after so many frames.
+  static constexpr int kKeyframesAgain = 80;
   // The time of a frame that goes into keyframes, if none is asked for.
   static constexpr double kKeyframeMs = 8;
   // Keyframes that no frame was drawn from for so many frames are of elsewhere.
@@ -104,7 +106,10 @@ class AutoFrames final : public FrameSource {
 
   [[nodiscard]] static std::uint64_t count_mesh_triangles(const Scene& scene);
   Result<> begin(const Camera& camera, double time);
-  Result<bool> keyframes_pay(const Camera& camera, double time);
+  Result<> find_beginning(const Camera& camera, double time);
+  Result<bool> count_polygons(const Camera& camera, double time);
+  [[nodiscard]] double polygons_over_keyframes(double direct_ms) const;
+  Result<> look_at_keyframes(const Camera& camera, double time);
   [[nodiscard]] Result<std::unique_ptr<KeyframeFrames>> make_keyframes(const Scene& scene) const;
   void look(const Camera& camera);
   void measure_load(const Camera& camera);
@@ -181,9 +186,10 @@ class AutoFrames final : public FrameSource {
   SharedEye shared_eye_;
   std::atomic<bool> prepared_{false};
   Prepared made_;
-  bool begins_with_keyframes_ = false;  // until they are prepared
+  int begins_with_ = kDirect;           // what is cheapest before the first frame
+  bool begins_with_keyframes_ = false;  // from the first frame on they are prepared
   int begun_in_ = 0;                    // frame
-  bool begun_drawn_ = false;            // polygons drew the first frame, to find out
+  int begun_drawn_ = -1;                // what drew the first frame, to find out; -1: none
   double begun_ms_ = 0;                 // what that took
   int frame_ = 0, direct_frames_ = 0, drawn_by_ = kDirect;
   bool direct_counted_ = false;  // how far off polygons' model is was counted, not timed

@@ -36,6 +36,21 @@ constexpr double kLessFilled = 0.5;
 // warm-up until a decision is made.
 constexpr double kMayBeCheaper = 1.25;
 constexpr int kDecides = 8;
+// An eye is looked from that far aside: a person's moves things by 1 to 3 pixels a frame.
+constexpr double kAsidePixels = 24;
+// One pixel in so many, along each axis, says how far things are; and what is nearer than the far
+// plane by that is one.
+constexpr int kApart = 16;
+constexpr double kSurface = 1.001;
+
+// The loss of what is warped for that eye.
+Result<std::optional<double>> loss_from(const Camera& camera, double time, KeyframeFrames& frames) {
+  frames.forget_loss();
+  if (Result<> done = frames.look_from(camera, time); !done) return done.error();
+  std::optional<double> loss_db;
+  for (int i = 0; i < kLooks; ++i) loss_db = loss_of(frames);
+  return loss_db;
+}
 
 }  // namespace
 
@@ -144,12 +159,26 @@ bool kept_after_trial(int frames, int warm_up, double keyframes_ms, double cache
 
 Result<std::optional<double>> loss_ahead(const EyePrediction& eye, double time,
                                          KeyframeFrames& frames) {
-  frames.forget_loss();
-  if (Result<> done = frames.look_from(eye.after(0.5 * frames.frames_for_one()), time); !done)
-    return done.error();
-  std::optional<double> loss_db;
-  for (int i = 0; i < kLooks; ++i) loss_db = loss_of(frames);
-  return loss_db;
+  return loss_from(eye.after(0.5 * frames.frames_for_one()), time, frames);
+}
+
+Camera eye_aside(const Camera& camera, const Image<float>& inverse_z, double pixels) {
+  std::vector<float> seen;
+  for (int y = kApart / 2; y < inverse_z.height(); y += kApart)
+    for (int x = kApart / 2; x < inverse_z.width(); x += kApart)
+      if (inverse_z(x, y) * camera.z_far > kSurface) seen.push_back(inverse_z(x, y));
+  if (seen.empty()) return camera;
+  const auto middle = seen.begin() + std::ptrdiff_t(seen.size() / 2);
+  std::nth_element(seen.begin(), middle, seen.end());
+  const double pixel = (camera.window.right - camera.window.left) / camera.width;
+  Camera aside = camera;
+  aside.world_from_eye[3] += pixels * pixel / double(*middle) * aside.world_from_eye[0];
+  return aside;
+}
+
+Result<std::optional<double>> loss_aside(const Camera& camera, double time,
+                                         const Image<float>& inverse_z, KeyframeFrames& frames) {
+  return loss_from(eye_aside(camera, inverse_z, kAsidePixels), time, frames);
 }
 
 std::optional<double> loss_of(KeyframeFrames& frames) {

@@ -9,6 +9,7 @@
 #include <optional>
 #include <vector>
 
+#include "rilievo/core/image.h"
 #include "rilievo/keyframes/eye_prediction.h"
 #include "rilievo/keyframes/software/keyframe_frames.h"
 #include "rilievo/method/audition.h"
@@ -123,6 +124,17 @@ class KeyframesDoubt {
 // far as these show it; halfway both are the farthest. None: it is not known. Fails where memory
 // does not suffice.
 [[nodiscard]] Result<std::optional<double>> loss_ahead(const EyePrediction& eye, double time,
+                                                       KeyframeFrames& frames);
+
+// The camera moved sideways until what is at the median distance of a frame has moved by so many
+// pixels. `inverse_z`: of that frame, as SoftwareTarget's. Where it shows only the sky it stays.
+[[nodiscard]] Camera eye_aside(const Camera& camera, const Image<float>& inverse_z, double pixels);
+
+// What is warped from the first keyframe loses before it is known how the eye will move: seen from
+// aside, where an eye is after about a dozen steps. None: it is not known. Fails where memory does
+// not suffice.
+[[nodiscard]] Result<std::optional<double>> loss_aside(const Camera& camera, double time,
+                                                       const Image<float>& inverse_z,
                                                        KeyframeFrames& frames);
 
 // KeyframeFrames::sample_loss(), without the noise of its own truth.

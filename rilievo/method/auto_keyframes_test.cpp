@@ -242,6 +242,43 @@ TEST(AutoKeyframes, what_a_frame_makes_all_of_is_there_in_that_frame) {
   EXPECT_TRUE((*frames)->prepared());
 }
 
+// Half of the pixels show a wall at 5 m, a few something at 1 m, the rest the sky.
+TEST(AutoKeyframes, an_eye_is_looked_from_so_many_pixels_aside) {
+  const Camera camera = look_at({3, 1, 2}, {4, 1, -7}, {0, 1, 0}, 0.9, 320, 180, 0.1, 100);
+  Image<float> inverse_z(320, 180, 1 / 100.f);
+  const Camera stays = eye_aside(camera, inverse_z, 24);
+  EXPECT_TRUE(stays == camera);
+  for (int y = 0; y < 180; ++y)
+    for (int x = 0; x < 160; ++x) inverse_z(x, y) = y < 20 ? 1 : 1 / 5.f;
+  const Camera aside = eye_aside(camera, inverse_z, 24);
+  const glm::dvec3 there = world_from_raster(camera, {200, 50}, 5);
+  const glm::dvec3 moved = raster_from_world(aside, there);
+  EXPECT_NEAR(moved.x, 200 - 24, 1e-3);
+  EXPECT_NEAR(moved.y, 50, 1e-6);
+  EXPECT_NEAR(moved.z, 5, 1e-6);
+}
+
+// What a keyframe shows from aside is worse than from its own eye.
+TEST(AutoKeyframes, from_aside_the_first_one_loses_more) {
+  const auto built = make_builtin("builtin:stonehenge?triangles=20000");
+  ASSERT_TRUE(built.ok());
+  KeyframeFramesOptions options;
+  options.polygons_where_cheaper = false;
+  options.keyframes.keyframe_ms = 8;
+  const auto frames = KeyframeFrames::create(built->scene, options);
+  ASSERT_TRUE(frames.ok());
+  const Camera camera = camera_at(built->path, 0, 320, 180);
+  ASSERT_TRUE((*frames)->draw(camera, 0).ok());
+  const Image<float> sky(320, 180, float(1 / camera.z_far)), near(320, 180, 1 / 8.f);
+  const auto from_it = loss_aside(camera, 0, sky, **frames);
+  const auto from_aside = loss_aside(camera, 0, near, **frames);
+  ASSERT_TRUE(from_it.ok() && *from_it && from_aside.ok() && *from_aside);
+  EXPECT_GT(**from_aside, **from_it + 1);
+  // It shows the frame as before: the look was for the loss alone.
+  ASSERT_TRUE((*frames)->draw(camera, 0).ok());
+  EXPECT_TRUE((*frames)->any());
+}
+
 TEST(AutoKeyframes, an_eye_tells_how_many_frames_nobody_took) {
   SharedEye shared;
   for (const int frames : {1, 3, 2}) {

@@ -11,8 +11,6 @@ namespace {
 // What is expected to take less than this share of what draws is prepared in a hurry: frames lose
 // all the time that preparing takes, for a short time.
 constexpr double kHurry = AutoDecision::kPlainlyWorth;
-// Keyframes that nobody wanted are made again after so many frames.
-constexpr int kKeyframesAgain = 80;
 
 }  // namespace
 
@@ -58,8 +56,10 @@ void AutoFrames::prepare(int method, const Camera& camera, double time) {
   // What moves is not where the rays' scene has it. Keyframes have rays of their own.
   const bool measures = method == kLevels && meshes_triangles_ <= kMostForLoss && !moves_;
   const double pixels = double(width_) * height_;
-  beside_->run([this, method, &scene, measures, pixels, camera, time, error_px = options_.error_px,
-                width = width_, height = height_] {
+  // Those that frames of before drew from are of elsewhere; one of the first frame is not.
+  const bool anew = !made_.keyframes;
+  beside_->run([this, method, anew, &scene, measures, pixels, camera, time,
+                error_px = options_.error_px, width = width_, height = height_] {
     // The frame that copies a picture there must not touch new memory.
     made_.shown.color = Rgba8Image(width, height);
     if (measures && !losses_)
@@ -68,12 +68,12 @@ void AutoFrames::prepare(int method, const Camera& camera, double time) {
     if (method == kRays) made_.rays = RayVisibility::create(scene);
     if (method == kLevels) made_.levels = prepare_levels(backend_, scene, pixels, error_px);
     if (method == kKeyframes) {
-      if (!keyframes_) {
+      if (!prepared_keyframes()) {
         if (auto made = make_keyframes(scene)) made_.keyframes = std::move(*made);
       }
       KeyframeFrames* frames = prepared_keyframes();
       made_.failed = !frames;
-      if (frames && made_.by_frames) frames->reserve(camera, time);
+      if (frames && made_.by_frames && anew) frames->reserve(camera, time);
       if (frames && !made_.by_frames) made_.failed = !prepare_keyframes(shared_eye_, *frames);
     }
     prepared_ = true;
@@ -177,7 +177,7 @@ Result<> AutoFrames::adopt() {
   const bool first_refused =
       stage_ == Preparing::first_looked_at && made_.found.loss_db &&
       first_is_hopeless(*made_.found.loss_db, made_.found.cache_loss_db, options_.loss_db,
-                        decision_->mean_ms(kKeyframes) > 0);
+                        decision_->mean_ms(kKeyframes) > 0 && loss_[kKeyframes].refusals == 0);
   const bool goes_on = (stage_ == Preparing::made && made_.by_frames) ||
                        (stage_ == Preparing::first_looked_at && !first_refused);
   if (goes_on && !made_.failed) {
