@@ -8,14 +8,6 @@
 namespace rilievo {
 namespace {
 
-// The share of a new frame in the mean, once there are enough.
-constexpr double kNewest = 0.1, kNewestOfWarmUp = 0.4;
-// A method that was never measured and of which no model is known may take this share of the one
-// that draws.
-constexpr double kHopeOfUnknown = 0.7;
-// How much less than measured a method may take after n frames: kDoubt sqrt(n), at most kMostDoubt.
-// A guess that nothing confirmed may be off by kGuessDoubt.
-constexpr double kDoubt = 0.02, kMostDoubt = 0.75, kGuessDoubt = 0.25;
 // Frames from a trial to the next of the same method: after the first one that fails, and at most.
 constexpr int kGap = 40, kMostGap = 640;
 // What takes as much as what draws, within kClose, counts as having failed so many times more: both
@@ -34,35 +26,9 @@ constexpr double kLikely = 0.5;
 // What is prepared in the time of so many frames need not gain much.
 constexpr double kLittle = 2;
 
-// By how much all methods are taken to have become slower since one of them was measured, at most.
-constexpr double kMostSlower = 1.25;
-
-// A frame that takes AutoTrials::kMuch times the median of so many of the last ones, at least,
-// counts as that, unless such frames come back (dear_frames.h): other programs slow some frames in
-// a row down by much more.
-constexpr int kLeastForMedian = 3;
-// What draws may take so much more for so many frames before anything is concluded.
-constexpr int kUnsettled = 12;
-// By how much what a method took at its best grows with each frame in which it takes more. Not by a
-// share of that frame: other programs make some take five times as much.
-constexpr double kBestGrows = 0.015;
-// Frames in a row of at most this share of the mean are not by chance.
-constexpr double kNotByChance = 0.87;
-constexpr int kLessInARow = 3;
-// What contradicts what is plausible, so many times as much, and was measured in fewer frames than
-// kSure, is not believed for ever. No more than what a trial may take: what is between the two
-// would not be tried again.
-constexpr double kContradicts = AutoDecision::kMaySpike;
-// The same of a model that is too rough to say what changes.
-constexpr double kContradictsPrior = 1.5;
-constexpr int kSure = 60;
 // What is in view has not changed while a rough model says that much of what it did.
 constexpr double kAsMuch = 0.7;
-// Frames beside other work, after which it is not known what they take without.
-constexpr int kLongDisturbed = 12;
 constexpr int kWarmsUpLong = AutoTrials::kWarmsUpLong;
-
-double doubt(int age) { return std::min(kMostDoubt, kDoubt * std::sqrt(double(age))); }
 
 int gap_after(int fails, bool close) {
   return std::min(kMostGap, kGap << std::min(fails + (close ? kFailsOfClose : 0), 8));
@@ -75,10 +41,6 @@ int longest_warm_up(std::span<const AutoCandidate> candidates) {
 }
 
 }  // namespace
-
-double newest_share(double least, int frames) {
-  return std::max(least, 1.0 / std::max(1, frames - 1));
-}
 
 std::string_view describe(AutoReason reason) {
   switch (reason) {
@@ -107,45 +69,6 @@ AutoDecision::AutoDecision(std::span<const AutoCandidate> candidates, int first,
       guesses_(candidates.size()),
       priors_(candidates.size()) {
   RILIEVO_EXPECTS(first >= 0 && first < int(candidates.size()));
-}
-
-// So many times slower has become what drew since this method was measured, and the model does not
-// say why: this one has, too. Not faster: to change for what was slow before is tried first.
-double AutoDecision::unexplained(int i) const {
-  if (i == draws_) return 1;
-  return std::clamp(slow_ / costs_[std::size_t(i)].slow, 1.0, kMostSlower);
-}
-
-// What it takes now, as far as is known; 0: nothing is.
-double AutoDecision::expected(int i, const AutoOutlook& outlook) const {
-  const Cost& cost = costs_[std::size_t(i)];
-  if (cost.mean_ms == 0) return outlook.guess_ms;
-  if (i == draws_ || cost.guess_ms == 0 || outlook.guess_ms == 0) return cost.mean_ms;
-  // The model says how much has changed since.
-  return cost.mean_ms * outlook.guess_ms / cost.guess_ms;
-}
-
-// The same; but what was measured beside other work is not believed where that is contradicted.
-double AutoDecision::plausible(int i, const AutoOutlook& outlook) const {
-  const Cost& cost = costs_[std::size_t(i)];
-  const double ms = expected(i, outlook);
-  if (i == draws_ || cost.mean_ms == 0) return ms;
-  double least = ms;
-  if (cost.calm > 0 && cost.calm_of_guess == (outlook.guess_ms > 0))
-    least = std::min(least, cost.calm * (cost.calm_of_guess ? outlook.guess_ms : 1));
-  if (cost.measured >= kSure) return kContradicts * least < ms ? least : ms;
-  if (outlook.guess_ms > 0) least = std::min(least, outlook.guess_ms);
-  if (kContradicts * least < ms) return least;
-  const double prior_ms = outlook.guess_ms > 0 ? 0 : outlook.prior_ms;
-  return prior_ms > 0 && kContradictsPrior * prior_ms < ms ? prior_ms : ms;
-}
-
-// What it takes if it takes little.
-double AutoDecision::hoped(int i, const AutoOutlook& outlook) const {
-  const Cost& cost = costs_[std::size_t(i)];
-  const double ms = plausible(i, outlook);
-  if (ms == 0) return kHopeOfUnknown * costs_[std::size_t(draws_)].mean_ms;
-  return ms * (1 - (cost.mean_ms == 0 ? kGuessDoubt : doubt(cost.age)));
 }
 
 bool AutoDecision::better(double ms, int candidate, double than_ms, int than) const {
@@ -278,7 +201,7 @@ void AutoDecision::change(int to) {
   left.gap = gap_after(left.fails, close);
   ++left.fails;
   draws_ = to;
-  costs_[std::size_t(to)].recent.forget(), costs_[std::size_t(to)].dear.forget();
+  costs_[std::size_t(to)].forget_recent();
   since_change_ = 0;
   unsettled_ = less_ = 0, last_ms_ = 0;
   ++recent_changes_;
@@ -320,18 +243,17 @@ void AutoDecision::end_trial(std::span<const AutoOutlook> outlook) {
   ++cost.fails;
 }
 
-AutoChoice AutoDecision::next(std::span<const AutoOutlook> outlook, bool jumped, bool disturbed) {
-  RILIEVO_EXPECTS(outlook.size() == candidates_.size());
+// A frame has gone by, and after a jump what was learned is of another place.
+void AutoDecision::begin_frame(std::span<const AutoOutlook> outlook, bool jumped) {
   for (int i = 0; i < int(candidates_.size()); ++i) {
     guesses_[std::size_t(i)] = outlook[std::size_t(i)].guess_ms;
     priors_[std::size_t(i)] = outlook[std::size_t(i)].prior_ms;
     Cost& cost = costs_[std::size_t(i)];
     if (i != draws_) cost.age += jumped ? kJumpAges : 1;
     if (!jumped) continue;
-    // What was learned is of another place.
     cost.fails = 0, cost.prior_ms = 0;
     cost.frames = std::min(cost.frames, 2);
-    cost.recent.forget(), cost.dear.forget();
+    cost.forget_recent();
   }
   if (jumped) less_ = 0;
   ++since_change_;
@@ -340,64 +262,89 @@ AutoChoice AutoDecision::next(std::span<const AutoOutlook> outlook, bool jumped,
   const int warm_up = candidates_[std::size_t(draws_)].warm_up;
   if (warm_up >= kWarmsUpLong && since_change_ == warm_up + 1)
     costs_[std::size_t(draws_)].frames = 0, costs_[std::size_t(draws_)].dear.forget();
-
   if (prepares_ >= 0 && !outlook[std::size_t(prepares_)].preparable) prepares_ = -1;
-  bool failed = false;
-  if (trials_.goes_on()) {
-    const AutoOutlook& tried = outlook[std::size_t(trials_.method())];
-    if (jumped || !tried.ready || !tried.good_enough ||
-        trials_.over(free_ms(), costs_[std::size_t(draws_)].mean_ms)) {
-      const int draws = draws_;
-      end_trial(outlook);
-      failed = draws_ == draws;
-    }
-  }
-  if (!trials_.goes_on()) {
-    const AutoOutlook& drawing = outlook[std::size_t(draws_)];
-    if (!drawing.ready || !drawing.good_enough) {
-      // To the cheapest that can draw; rank decides where nothing is known.
-      int to = -1;
-      for (int i = 0; i < int(candidates_.size()); ++i) {
-        const AutoOutlook& one = outlook[std::size_t(i)];
-        if (i == draws_ || !one.ready || !one.good_enough) continue;
-        if (to < 0 ||
-            (expected(i, one) > 0 && expected(i, one) < expected(to, outlook[std::size_t(to)])))
-          to = i;
-      }
-      if (to >= 0) change(to), reason_ = AutoReason::leaves;
-    }
-    const bool settled = unsettled_ == 0 || unsettled_ > kUnsettled;
-    // What was prepared waits for some frames without.
-    const bool known = disturbed || disturbed_ <= kLongDisturbed;
-    if (!known || costs_[std::size_t(draws_)].frames < AutoTrials::kFrames) prepares_ = -1;
-    if (known && costs_[std::size_t(draws_)].frames >= AutoTrials::kFrames) {
-      const int best = best_known(outlook);
-      const double now = costs_[std::size_t(draws_)].mean_ms;
-      const bool warm = !warms_up();
-      if (settled && best != draws_ &&
-          (since_change_ > candidates_[std::size_t(draws_)].dwell ||
-           (warm && now > kMuchMore * costs_[std::size_t(best)].mean_ms))) {
-        change(best);
-        reason_ = pace_ms_ > 0 && costs_[std::size_t(best)].mean_ms < kKeepsPace * pace_ms_
-                      ? AutoReason::best
-                      : AutoReason::cheapest;
-      } else if (warm) {
-        if (settled) prepares_ = worth_trying(outlook, false);
-        if (!disturbed && last_ms_ <= AutoTrials::kMuch * now)
-          begin_trial(worth_trying(outlook, true), outlook);
-      } else if (!disturbed) {
-        begin_trial(plainly_worth_trying(outlook), outlook);
-      }
-    }
-    // What a method takes that warms up again is known: nothing has to wait for that.
-    if (failed && warms_up() && !jumped && settled)
-      prepares_ = worth_trying(outlook, false);
-    else if (warms_up() && !trials_.goes_on() && costs_[std::size_t(draws_)].fails == 0)
-      prepares_ = plainly_worth_preparing(outlook);
-  }
+}
 
+// Has a trial come to its end, and failed?
+bool AutoDecision::fails_trial(std::span<const AutoOutlook> outlook, bool jumped) {
+  if (!trials_.goes_on()) return false;
+  const AutoOutlook& tried = outlook[std::size_t(trials_.method())];
+  if (!jumped && tried.ready && tried.good_enough &&
+      !trials_.over(free_ms(), costs_[std::size_t(draws_)].mean_ms))
+    return false;
+  const int draws = draws_;
+  end_trial(outlook);
+  return draws_ == draws;
+}
+
+// What cannot draw, or not well enough, is left for the cheapest that can; rank decides where
+// nothing is known.
+void AutoDecision::leave_what_may_not_draw(std::span<const AutoOutlook> outlook) {
+  const AutoOutlook& drawing = outlook[std::size_t(draws_)];
+  if (drawing.ready && drawing.good_enough) return;
+  int to = -1;
+  for (int i = 0; i < int(candidates_.size()); ++i) {
+    const AutoOutlook& one = outlook[std::size_t(i)];
+    if (i == draws_ || !one.ready || !one.good_enough) continue;
+    if (to < 0 ||
+        (expected(i, one) > 0 && expected(i, one) < expected(to, outlook[std::size_t(to)])))
+      to = i;
+  }
+  if (to >= 0) change(to), reason_ = AutoReason::leaves;
+}
+
+// Where it is known what draws takes: a change, or a trial, or something to be prepared.
+void AutoDecision::compare(std::span<const AutoOutlook> outlook, bool disturbed) {
+  const int best = best_known(outlook);
+  const double now = costs_[std::size_t(draws_)].mean_ms,
+               best_ms = costs_[std::size_t(best)].mean_ms;
+  const bool warm = !warms_up(), stayed = since_change_ > candidates_[std::size_t(draws_)].dwell ||
+                                          (warm && now > kMuchMore * best_ms);
+  if (settled() && best != draws_ && stayed) {
+    change(best);
+    reason_ =
+        pace_ms_ > 0 && best_ms < kKeepsPace * pace_ms_ ? AutoReason::best : AutoReason::cheapest;
+  } else if (warm) {
+    if (settled()) prepares_ = worth_trying(outlook, false);
+    if (!disturbed && last_ms_ <= AutoTrials::kMuch * now)
+      begin_trial(worth_trying(outlook, true), outlook);
+  } else if (!disturbed) {
+    begin_trial(plainly_worth_trying(outlook), outlook);
+  }
+}
+
+// While what draws warms up. What a method takes that warms up again, after a trial that failed, is
+// known: nothing has to wait for that.
+void AutoDecision::prepare_in_warm_up(std::span<const AutoOutlook> outlook, bool failed) {
+  if (!warms_up()) return;
+  if (failed && settled())
+    prepares_ = worth_trying(outlook, false);
+  else if (!trials_.goes_on() && costs_[std::size_t(draws_)].fails == 0)
+    prepares_ = plainly_worth_preparing(outlook);
+}
+
+AutoChoice AutoDecision::next(std::span<const AutoOutlook> outlook, bool jumped, bool disturbed) {
+  RILIEVO_EXPECTS(outlook.size() == candidates_.size());
+  begin_frame(outlook, jumped);
+  const bool failed = fails_trial(outlook, jumped);
+  if (!trials_.goes_on()) {
+    leave_what_may_not_draw(outlook);
+    // What was prepared for long waits for some frames without.
+    const bool known = disturbed || disturbed_ <= kLongDisturbed;
+    if (known && costs_[std::size_t(draws_)].frames >= AutoTrials::kFrames)
+      compare(outlook, disturbed);
+    else
+      prepares_ = -1;
+    prepare_in_warm_up(outlook, failed && !jumped);
+  }
+  drawn_ = trials_.goes_on() ? trials_.method() : draws_;
+  return explain(outlook);
+}
+
+// What draws the frame, why, and beside what else.
+AutoChoice AutoDecision::explain(std::span<const AutoOutlook> outlook) const {
   AutoChoice choice;
-  choice.draws = drawn_ = trials_.goes_on() ? trials_.method() : draws_;
+  choice.draws = drawn_;
   choice.prepares = prepares_;
   choice.reason = candidates_.size() == 1 ? AutoReason::only
                   : trials_.goes_on()     ? AutoReason::trial
@@ -410,85 +357,6 @@ AutoChoice AutoDecision::next(std::span<const AutoOutlook> outlook, bool jumped,
     choice.rival = i, choice.rival_ms = ms;
   }
   return choice;
-}
-
-// May it be compared with what draws? While that takes much more than it did at its best, and its
-// model does not say why, other programs may have slowed down all that would draw: then only if it
-// takes less than that did at its best.
-bool AutoDecision::comparable(double ms, int i, std::span<const AutoOutlook> outlook) const {
-  if (unsettled_ == 0) return true;
-  const Cost& cost = costs_[std::size_t(draws_)];
-  const double guess_ms = outlook[std::size_t(draws_)].guess_ms;
-  const double calm_ms = cost.calm * (cost.calm_of_guess ? guess_ms : 1);
-  return better(ms, i, calm_ms, draws_);
-}
-
-// What draws took that, over what its model says if it has one.
-double AutoDecision::over_guess(double ms) const {
-  const double guess_ms = guesses_[std::size_t(draws_)];
-  return guess_ms > 0 ? ms / guess_ms : ms;
-}
-
-// What it took at its best, of late; and for how long it has taken much more.
-void AutoDecision::note_calm(Cost& cost) {
-  const double now = over_guess(cost.recent.median());
-  const bool of_guess = guesses_[std::size_t(draws_)] > 0;
-  if (cost.calm == 0 || cost.calm_of_guess != of_guess || now < cost.calm)
-    cost.calm = now;
-  else if (now <= AutoTrials::kMuch * cost.calm || unsettled_ >= kUnsettled)
-    cost.calm = std::min(now, (1 + kBestGrows) * cost.calm);
-  cost.calm_of_guess = of_guess;
-  unsettled_ = now > AutoTrials::kMuch * cost.calm ? unsettled_ + 1 : 0;
-}
-
-// Frames that take far less than the mean, so many in a row, are what the method takes from now on:
-// what slow frames have left in the mean would take a dozen more to be forgotten, in which a method
-// that is no faster seems to be.
-void AutoDecision::note_less(double& mean_ms, double ms) {
-  less_ = ms < kNotByChance * mean_ms ? less_ + 1 : 0;
-  less_ms_ = less_ == 1 ? ms : less_ms_ + ms;
-  if (less_ < kLessInARow) return;
-  mean_ms = less_ms_ / less_;
-  less_ = 0;
-}
-
-void AutoDecision::add(double ms, bool disturbed) {
-  RILIEVO_EXPECTS(drawn_ >= 0);
-  if (trials_.goes_on()) {
-    trials_.add(ms, free_ms());
-    return;
-  }
-  trials_.add_other(ms);
-  Cost& cost = costs_[std::size_t(draws_)];
-  // What a frame takes beside other work is no more than it takes. After much of that the mean is
-  // of long ago: it begins anew.
-  if (disturbed && cost.frames >= AutoTrials::kFrames) ms = std::min(ms, cost.mean_ms);
-  if (!disturbed && disturbed_ > kLongDisturbed) cost.frames = std::min(cost.frames, 1);
-  disturbed_ = disturbed ? disturbed_ + 1 : 0;
-  // The first frames of a method that warms up are not what it takes: they are forgotten soon.
-  const int warm_up = candidates_[std::size_t(draws_)].warm_up;
-  const bool warms_up = since_change_ <= warm_up;
-  const double newest = newest_share(warms_up ? kNewestOfWarmUp : kNewest, ++cost.frames);
-  cost.recent.add(ms);
-  ++cost.measured, last_ms_ = ms;
-  if (!warms_up && cost.recent.count() >= kLast) note_calm(cost);
-  const double before_ms = cost.mean_ms, guess_ms = guesses_[std::size_t(draws_)];
-  double usual_ms = before_ms - cost.dear.mean_ms();
-  if (!warms_up && cost.recent.count() >= kLeastForMedian) {
-    const double most_ms = AutoTrials::kMuch * cost.recent.median();
-    cost.dear.add(ms, most_ms);
-    ms = std::min(ms, most_ms);
-  }
-  usual_ms += (ms - usual_ms) * newest;
-  if (cost.dear.come_back())
-    less_ = 0;
-  else
-    note_less(usual_ms, ms);
-  cost.mean_ms = usual_ms + cost.dear.mean_ms();
-  if (cost.frames > kLast && !disturbed && guess_ms > 0 && cost.guess_ms > 0)
-    slow_ *= cost.mean_ms / before_ms * cost.guess_ms / guess_ms;
-  cost.age = 0;
-  cost.guess_ms = guess_ms;
 }
 
 }  // namespace rilievo

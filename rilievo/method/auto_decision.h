@@ -117,6 +117,10 @@ class AutoDecision {
  private:
   // Frames whose median says what is much.
   static constexpr int kLast = 9;
+  // What draws may take much more for so many frames before anything is concluded.
+  static constexpr int kUnsettled = 12;
+  // Frames beside other work, after which it is not known what they take without.
+  static constexpr int kLongDisturbed = 12;
 
   struct Cost {
     double mean_ms = 0;         // of the last frames that it drew; 0: none yet
@@ -133,6 +137,8 @@ class AutoDecision {
     // The median of what the last ones took at its best, of late; over the model's if it has one.
     double calm = 0;
     bool calm_of_guess = false;
+
+    void forget_recent() { recent.forget(), dear.forget(); }
   };
   [[nodiscard]] double expected(int i, const AutoOutlook& outlook) const;
   [[nodiscard]] double unexplained(int i) const;
@@ -146,6 +152,14 @@ class AutoDecision {
   [[nodiscard]] int plainly_worth_preparing(std::span<const AutoOutlook> outlook) const;
   [[nodiscard]] int plainly_worth_trying(std::span<const AutoOutlook> outlook) const;
   [[nodiscard]] bool warms_up() const;
+  // Does what draws take what it should, or has it taken more for long?
+  [[nodiscard]] bool settled() const { return unsettled_ == 0 || unsettled_ > kUnsettled; }
+  void begin_frame(std::span<const AutoOutlook> outlook, bool jumped);
+  [[nodiscard]] bool fails_trial(std::span<const AutoOutlook> outlook, bool jumped);
+  void leave_what_may_not_draw(std::span<const AutoOutlook> outlook);
+  void compare(std::span<const AutoOutlook> outlook, bool disturbed);
+  void prepare_in_warm_up(std::span<const AutoOutlook> outlook, bool failed);
+  [[nodiscard]] AutoChoice explain(std::span<const AutoOutlook> outlook) const;
   void change(int to);
   void begin_trial(int of, std::span<const AutoOutlook> outlook);
   void end_trial(std::span<const AutoOutlook> outlook);
