@@ -146,26 +146,35 @@ class ThinSurfaces {
       if (others > count || (others == count && side < 0)) return false;
       of_other = others;
     }
-    return is_wide_enough(front, at, step);
+    return is_wide_enough(front, at, count, step);
   }
   // What is half a texel wide has half of the samples of one texel in each row that it crosses, in
   // the mean over a few rows: places of samples lie nearer to each other in one direction than in
-  // another. A third is half, more or less.
-  [[nodiscard]] bool is_wide_enough(const Front& front, const glm::ivec2& at,
+  // another. A third is half, more or less. It may end within these rows on one side: a tip, of
+  // which a texel has half if it shows it, as otherwise tips would be drawn out.
+  [[nodiscard]] bool is_wide_enough(const Front& front, const glm::ivec2& at, int count,
                                     const glm::ivec2& step) const {
     const glm::ivec2 onwards(step.y, step.x);
-    int found = 0;
-    for (int along = -kRows; along <= kRows; ++along) {
-      int in_row = 0;
+    const auto in_row = [&](int along) {
+      int found = 0;
       for (int across = -kRows - 1; across <= kRows + 1; ++across) {
         const glm::ivec2 p = at + along * onwards + across * step;
         if (outside(p)) continue;
-        in_row += std::popcount(samples_of(front, p.x, p.y)) + int(at_center(front, p));
+        found += std::popcount(samples_of(front, p.x, p.y)) + int(at_center(front, p));
       }
-      if (in_row == 0) return false;  // it ends here: a tip, not a cable
-      found += in_row;
-    }
-    return 3 * found >= (2 * kRows + 1) * (t_.samples() + 1);
+      return found;
+    };
+    int found = in_row(0), rows = 1, ends = 0;
+    for (const int way : {-1, 1})
+      for (int along = way; std::abs(along) <= kRows; along += way, ++rows) {
+        const int of_row = in_row(along);
+        found += of_row;
+        if (of_row > 0) continue;
+        ++ends;
+        break;
+      }
+    if (ends == 2 || (ends == 1 && 2 * count < t_.samples())) return false;
+    return 3 * found >= rows * (t_.samples() + 1);
   }
   static constexpr int kRows = 2;  // to either side
 
