@@ -32,8 +32,8 @@ constexpr int kFirstKeyframes = 64;
 // One frame in so many of keyframes, or of levels, is looked at, once it is known how good they
 // are: seldom where they are certainly good; and what was not good enough is looked at again after
 // so many frames, then twice as many, at most so many: somewhere else it may be.
-constexpr int kLossFrames = 4, kLossFramesIfSure = 8, kLossFramesOfLevels = 8, kLooksAgain = 80,
-              kLooksAgainAtMost = 1280;
+constexpr int kLossFrames = 4, kLossFramesIfSure = 8, kLossFramesOfFirst = 2,
+              kLossFramesOfLevels = 8, kLooksAgain = 80, kLooksAgainAtMost = 1280;
 // Keyframes are made again for that, which takes some dozen frames a third more.
 constexpr int kMakesAgain = 2 * kLooksAgain;
 // The share of what is allowed that levels may lose: in some scenes they are measured to lose 1 dB
@@ -198,7 +198,11 @@ Result<> AutoFrames::measure_loss(const Camera& camera, double time, const AutoC
   if (choice.draws == kLevels) return measure_loss_of_levels(camera, time);
   const bool sure =
       of.db && rilievo::good_enough(*of.db, std::nullopt, kCertainly * options_.loss_db);
-  if (of.db && frame_ % (sure ? kLossFramesIfSure : kLossFrames) != 0) return Done{};
+  // A first keyframe is left behind with each frame until there is another.
+  const int frames = !keyframes_->prepared() ? kLossFramesOfFirst
+                     : sure                  ? kLossFramesIfSure
+                                             : kLossFrames;
+  if (of.db && frame_ % frames != 0) return Done{};
   for (int i = of.db ? kLossesOfTrial - 1 : 0; i < kLossesOfTrial; ++i)
     of.db = loss_of(*keyframes_);
   if (!good_enough(choice.draws))

@@ -86,6 +86,8 @@ Result<> AutoFrames::begin(const Camera& camera, double time) {
   measure_load(camera);
   begun_in_ = frame_;
   begins_with_ = kDirect;
+  // What the first frame made was of another size.
+  if (preparing_ < 0) made_.keyframes.reset();
   if (Result<> found = find_beginning(camera, time); !found) return found;
   made_.usual.forget();
   // To try the cache later is dear: it captures for several frames. Direct drawing is tried at any
@@ -155,18 +157,24 @@ Result<> AutoFrames::look_at_keyframes(const Camera& camera, double time) {
   KeyframeFrames& frames = **made;
   if (!frames.any()) return Done{};
   const Image<float>& inverse_z = frames_[kDirect]->software_target()->inverse_z();
-  const Result<std::optional<double>> loss_db = loss_aside(camera, time, inverse_z, frames);
-  failed_[kKeyframes] = !loss_db;
-  if (!loss_db) return begins_with_keyframes_ = false, Done{};
-  const bool good = *loss_db && good_beside_cache(**loss_db, std::nullopt, options_.loss_db, false);
+  std::optional<double> loss_db;
+  const auto look = [&](double pixels) {
+    const Result<std::optional<double>> found = loss_aside(camera, time, inverse_z, pixels, frames);
+    failed_[kKeyframes] = failed_[kKeyframes] || !found;
+    if (found) loss_db = *found;
+    return found && loss_db && good_beside_cache(*loss_db, std::nullopt, options_.loss_db, false);
+  };
+  bool good = look(kSoonAside);
   const bool hopeless =
-      !*loss_db || first_is_hopeless(**loss_db, std::nullopt, options_.loss_db, false);
+      !loss_db || first_is_hopeless(*loss_db, std::nullopt, options_.loss_db, false);
+  good = good && look(kLongAside);
+  if (failed_[kKeyframes]) return begins_with_keyframes_ = false, Done{};
   if (!good && !hopeless && begins_with_keyframes_) {
     made_.keyframes = std::move(*made);
     return Done{};
   }
   begins_with_keyframes_ = false;
-  loss_[kKeyframes] = {.db = *loss_db, .seen_in = frame_, .refusals = good ? 0 : 1};
+  loss_[kKeyframes] = {.db = loss_db, .seen_in = frame_, .refusals = good ? 0 : 1};
   const Stopwatch watch;
   if (good)
     if (Result<> drawn = frames.draw(camera, time); !drawn) return drawn;
@@ -177,6 +185,8 @@ Result<> AutoFrames::look_at_keyframes(const Camera& camera, double time) {
   frames_[kKeyframes] = std::move(*presented);
   keyframes_seen_ = frame_, keyframes_again_ = frame_ + kKeyframesAgain;
   if (!good) return Done{};
+  // What was seen from aside is no frame's.
+  frames.forget_loss();
   begins_with_ = begun_drawn_ = kKeyframes, begun_ms_ = ms;
   young_keyframes_ = kKeyframesDwell;
   return Done{};

@@ -36,8 +36,6 @@ constexpr double kLessFilled = 0.5;
 // warm-up until a decision is made.
 constexpr double kMayBeCheaper = 1.25;
 constexpr int kDecides = 8;
-// An eye is looked from that far aside: a person's moves things by 1 to 3 pixels a frame.
-constexpr double kAsidePixels = 24;
 // One pixel in so many, along each axis, says how far things are; and what is nearer than the far
 // plane by that is one.
 constexpr int kApart = 16;
@@ -177,8 +175,9 @@ Camera eye_aside(const Camera& camera, const Image<float>& inverse_z, double pix
 }
 
 Result<std::optional<double>> loss_aside(const Camera& camera, double time,
-                                         const Image<float>& inverse_z, KeyframeFrames& frames) {
-  return loss_from(eye_aside(camera, inverse_z, kAsidePixels), time, frames);
+                                         const Image<float>& inverse_z, double pixels,
+                                         KeyframeFrames& frames) {
+  return loss_from(eye_aside(camera, inverse_z, pixels), time, frames);
 }
 
 std::optional<double> loss_of(KeyframeFrames& frames) {

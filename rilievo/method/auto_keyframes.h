@@ -131,10 +131,12 @@ class KeyframesDoubt {
 [[nodiscard]] Camera eye_aside(const Camera& camera, const Image<float>& inverse_z, double pixels);
 
 // What is warped from the first keyframe loses before it is known how the eye will move: seen from
-// aside, where an eye is after about a dozen steps. None: it is not known. Fails where memory does
-// not suffice.
+// so many pixels aside, `inverse_z` as above. None: it is not known. Fails where memory does not
+// suffice. A person's eye moves things by 1 to 3 pixels a frame: kSoonAside is where it is after
+// about a dozen frames, kLongAside where it is before there is a second keyframe.
+inline constexpr double kSoonAside = 24, kLongAside = 64;
 [[nodiscard]] Result<std::optional<double>> loss_aside(const Camera& camera, double time,
-                                                       const Image<float>& inverse_z,
+                                                       const Image<float>& inverse_z, double pixels,
                                                        KeyframeFrames& frames);
 
 // KeyframeFrames::sample_loss(), without the noise of its own truth.

@@ -270,8 +270,8 @@ TEST(AutoKeyframes, from_aside_the_first_one_loses_more) {
   const Camera camera = camera_at(built->path, 0, 320, 180);
   ASSERT_TRUE((*frames)->draw(camera, 0).ok());
   const Image<float> sky(320, 180, float(1 / camera.z_far)), near(320, 180, 1 / 8.f);
-  const auto from_it = loss_aside(camera, 0, sky, **frames);
-  const auto from_aside = loss_aside(camera, 0, near, **frames);
+  const auto from_it = loss_aside(camera, 0, sky, kSoonAside, **frames);
+  const auto from_aside = loss_aside(camera, 0, near, kSoonAside, **frames);
   ASSERT_TRUE(from_it.ok() && *from_it && from_aside.ok() && *from_aside);
   EXPECT_GT(**from_aside, **from_it + 1);
   // It shows the frame as before: the look was for the loss alone.

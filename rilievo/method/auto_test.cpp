@@ -199,7 +199,7 @@ double loss_before_the_first_frame(const BuiltinScene& built, const Camera& eye)
   EXPECT_TRUE(direct.ok() && frames.ok());
   EXPECT_TRUE(direct->frames->draw(eye, 0).ok() && (*frames)->draw(eye, 0).ok());
   const Image<float>& inverse_z = direct->frames->software_target()->inverse_z();
-  const Result<std::optional<double>> loss_db = loss_aside(eye, 0, inverse_z, **frames);
+  const auto loss_db = loss_aside(eye, 0, inverse_z, kSoonAside, **frames);
   EXPECT_TRUE(loss_db.ok() && *loss_db);
   return **loss_db;
 }
