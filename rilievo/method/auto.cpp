@@ -171,6 +171,9 @@ bool AutoFrames::good_enough(int method) {
   const bool drew = decision_->mean_ms(method) > 0;
   const auto good = [&] {
     if (!of.db) return true;
+    // There will be a second one, and the wait for it is short.
+    if (method == kKeyframes && drawn_by_ == kKeyframes && first_alone_)
+      return !first_is_hopeless(*of.db, std::nullopt, options_.loss_db, true);
     // What was refused must certainly be good to draw again: else it would come and go.
     const bool known = drew && (of.refusals == 0 || drawn_by_ == kKeyframes);
     if (method == kKeyframes)
@@ -370,6 +373,7 @@ Result<> AutoFrames::draw(const Camera& camera, double time) {
   if (choice.draws == kKeyframes) {
     begins_with_keyframes_ = false;
     const KeyframeShares& shares = keyframes_->shares();
+    ms = make_second_keyframe(ms);
     ms = ms_when_settled(ms, shares.fill_ms, young_keyframes_ > 0);
     young_keyframes_ = shares.completed > 0 ? 0 : std::max(young_keyframes_ - 1, 0);
   }
@@ -408,6 +412,21 @@ Result<> AutoFrames::draw(const Camera& camera, double time) {
                      choice.rival_ms};
   fade(camera);
   return Done{};
+}
+
+// A first keyframe is left behind with each frame: until there is a second one, frames make as much
+// of that as those of other methods would. After a frame of `ms`; what it will take then.
+double AutoFrames::make_second_keyframe(double ms) {
+  const double keyframe_ms = keyframes_->shares().keyframe_ms, own_ms = ms - keyframe_ms;
+  const bool alone = !keyframes_->prepared();
+  if (first_alone_) {
+    ms = own_ms + std::min(keyframe_ms, kKeyframeMs);
+    // What the first one lost alone is not what both do.
+    if (!alone) loss_[kKeyframes].db.reset(), keyframes_->forget_loss();
+  }
+  first_alone_ = alone;
+  keyframes_->allow(alone ? time_for_keyframes(own_ms, own_ms, own_ms, own_ms) : 0);
+  return ms;
 }
 
 // During a trial of another, and for some frames after one of theirs, they go on, as much as they

@@ -178,7 +178,7 @@ Result<> AutoFrames::look_at_keyframes(const Camera& camera, double time) {
   const Stopwatch watch;
   if (good)
     if (Result<> drawn = frames.draw(camera, time); !drawn) return drawn;
-  const double ms = watch.ms() - frames.shares().keyframe_ms;
+  const double ms = watch.ms();
   Result<std::unique_ptr<FrameSource>> presented = backend_.present(std::move(*made));
   if (!presented) return presented.error();
   keyframes_ = &frames;

@@ -125,6 +125,7 @@ class AutoFrames final : public FrameSource {
   [[nodiscard]] bool keep_keyframes(const Camera& camera, double time, const AutoChoice& choice);
   [[nodiscard]] Result<std::optional<double>> look_at_levels(const Camera& camera, double time,
                                                              bool again);
+  [[nodiscard]] double make_second_keyframe(double ms);
   void prepare(int method, const Camera& camera, double time);
   void make_part(const Camera& camera, double time, double ms);
   void look_at_first_keyframe(const Camera& camera, double time);
@@ -156,10 +157,11 @@ class AutoFrames final : public FrameSource {
   DirectOrCached* shared_chooser_ = nullptr;       // of frames_[kDirect]
   std::unique_ptr<FrameSource> frames_[kMethods];  // kCache: none, they are kDirect's
   KeyframeFrames* keyframes_ = nullptr;            // of frames_[kKeyframes]
-  int keyframes_seen_ = 0;   // the last frame that they drew, or were prepared for
-  int young_keyframes_ = 0;  // frames until they are as they will be, if none is completed before
-  int keyframes_again_ = 0;  // the first frame in which they may be prepared again
-  AutoLevels levels_;        // of frames_[kLevels]
+  int keyframes_seen_ = 0;    // the last frame that they drew, or were prepared for
+  int young_keyframes_ = 0;   // frames until they are as they will be, if none is completed before
+  bool first_alone_ = false;  // there was only one, when they drew last
+  int keyframes_again_ = 0;   // the first frame in which they may be prepared again
+  AutoLevels levels_;         // of frames_[kLevels]
   double looked_triangles_ = 0;  // in view, when it was seen what they lose
   FrameSource* active_ = nullptr;
   FrameFade fade_;                         // from another method's frames

@@ -258,6 +258,31 @@ TEST(AutoKeyframes, an_eye_is_looked_from_so_many_pixels_aside) {
   EXPECT_NEAR(moved.z, 5, 1e-6);
 }
 
+// The time that they may take says how many frames the second one takes, which begins with two
+// steps of the eye.
+TEST(AutoKeyframes, where_more_is_allowed_the_second_one_comes_after_fewer_frames) {
+  const auto built = make_builtin("builtin:stonehenge?triangles=20000");
+  ASSERT_TRUE(built.ok());
+  KeyframeFramesOptions options;
+  options.polygons_where_cheaper = false;
+  options.keyframes.keyframe_ms = 1e-3;
+  int frames_of[2];
+  for (const bool allowed : {false, true}) {
+    const auto frames = KeyframeFrames::create(built->scene, options);
+    ASSERT_TRUE(frames.ok());
+    int frame = 0;
+    for (; frame < 200 && (frame < 2 || !(*frames)->prepared()); ++frame) {
+      const double time = frame_time(built->path, frame);
+      ASSERT_TRUE((*frames)->draw(camera_at(built->path, time, 160, 90), time).ok());
+      EXPECT_TRUE((*frames)->any());
+      (*frames)->allow(allowed ? 1e4 : 0);
+    }
+    frames_of[allowed] = frame;
+  }
+  EXPECT_LE(frames_of[true], 12);
+  EXPECT_GT(frames_of[false], frames_of[true] + 4);
+}
+
 // What a keyframe shows from aside is worse than from its own eye.
 TEST(AutoKeyframes, from_aside_the_first_one_loses_more) {
   const auto built = make_builtin("builtin:stonehenge?triangles=20000");

@@ -78,6 +78,7 @@ struct KeyframeFrames::State {
   std::optional<CheaperWay> cheaper;  // where polygons show the same and time matters
   bool warps = false;                 // the last frame shows keyframes
   bool making_beside = false;         // it is polygons, and keyframes are being made
+  double allowed_ms = 0;              // see allow()
 
   std::unique_ptr<KeyframePainter> painter;
   WarpedFrame warped;
@@ -312,7 +313,7 @@ Result<> KeyframeFrames::draw(const Camera& camera, double time) {
       if (!s.making_beside) s.producer->forget();
       if (!followed) (void)s.producer->follow(camera, time);
     }
-    if (Result<> done = s.producer->work(s.shares.fill_ms); !done) return done;
+    if (Result<> done = s.producer->work(s.shares.fill_ms, s.allowed_ms); !done) return done;
   }
   s.making_beside = way == CheaperWay::Way::both;
 
@@ -350,6 +351,8 @@ Result<> KeyframeFrames::draw_objects() {
   }
   return s.painter->draw_objects(s.warps ? &s.keyframe_tiles : nullptr);
 }
+
+void KeyframeFrames::allow(double keyframe_ms) { state_->allowed_ms = keyframe_ms; }
 
 Result<> KeyframeFrames::prepare(const Camera& camera, double time, bool anew, double allowed_ms) {
   State& s = *state_;
