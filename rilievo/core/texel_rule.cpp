@@ -150,7 +150,7 @@ class ThinSurfaces {
   }
   // What is half a texel wide has half of the samples of one texel in each row that it crosses, in
   // the mean over a few rows: places of samples lie nearer to each other in one direction than in
-  // another. A third is half, more or less. It may end within these rows on one side: a tip, of
+  // another. A third is half, more or less. It may end within these rows: a tip, of
   // which a texel has half if it shows it, as otherwise tips would be drawn out.
   [[nodiscard]] bool is_wide_enough(const Front& front, const glm::ivec2& at, int count,
                                     const glm::ivec2& step) const {
@@ -173,7 +173,8 @@ class ThinSurfaces {
         ++ends;
         break;
       }
-    if (ends == 2 || (ends == 1 && 2 * count < t_.samples())) return false;
+    // Of a short piece all of it shows, or nothing.
+    if (rows <= kRows || (ends > 0 && 2 * count < t_.samples())) return false;
     return 3 * found >= rows * (t_.samples() + 1);
   }
   static constexpr int kRows = 2;  // to either side

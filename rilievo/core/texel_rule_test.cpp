@@ -221,6 +221,37 @@ TEST(TexelRule, a_tip_of_half_a_texel_is_not_cut_off) {
   EXPECT_LE(cut, 28);
 }
 
+// What becomes shorter, as a needle seen from ever farther away, shows whole or not at all: no dots
+// with a gap between them.
+TEST(TexelRule, a_short_piece_shows_whole_or_not_at_all) {
+  constexpr int kSize = 16;
+  const Camera camera = square_camera(kSize);
+  Random random(9);
+  int shown = 0;
+  for (int round = 0; round < 400; ++round) {
+    // Upright or lying, beside the texels' centres, in which half of the samples may be.
+    const bool lies = round % 2, wall = round % 4 < 2;
+    const double begin = 5 + double(random.between(0, 0.2f)),
+                 end = 5 + round % 5 + 1 + double(random.between(0.8f, 1)) - 1,
+                 left = 7.51 + double(random.between(0, 0.02f));
+    const auto in_piece = [&](const glm::dvec2& p) {
+      const double along = lies ? p.x : p.y, across = lies ? p.y : p.x;
+      return along >= begin && along < end && across >= left && across < left + 0.5;
+    };
+    const TexelSamples texels = seen(camera, [&](const glm::dvec2& p) -> std::optional<Met> {
+      if (in_piece(p)) return Met{2.0, 1};
+      return wall ? std::optional(Met{4.0, 1}) : std::nullopt;
+    });
+    std::vector<int> along;
+    for (const ThinTexel& thin : choose_samples(texels).thin)
+      along.push_back(lies ? thin.x : thin.y);
+    std::sort(along.begin(), along.end());
+    for (std::size_t i = 1; i < along.size(); ++i) EXPECT_EQ(along[i], along[i - 1] + 1) << round;
+    shown += !along.empty();
+  }
+  EXPECT_GT(shown, 40);
+}
+
 // An edge is not thin, whatever its direction, nor is a corner.
 TEST(TexelRule, what_is_wide_does_not_grow) {
   const Camera camera = square_camera(64);
