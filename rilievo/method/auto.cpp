@@ -32,7 +32,7 @@ constexpr int kFirstKeyframes = 64;
 // One frame in so many of keyframes, or of levels, is looked at, once it is known how good they
 // are: seldom where they are certainly good; and what was not good enough is looked at again after
 // so many frames, then twice as many, at most so many: somewhere else it may be.
-constexpr int kLossFrames = 4, kLossFramesIfSure = 8, kLossFramesOfFirst = 2,
+constexpr int kLossFrames = 4, kLossFramesIfSure = 8, kLossFramesOfFirst = 2, kForgetsFirst = 16,
               kLossFramesOfLevels = 8, kLooksAgain = 80, kLooksAgainAtMost = 1280;
 // Keyframes are made again for that, which takes some dozen frames a third more.
 constexpr int kMakesAgain = 2 * kLooksAgain;
@@ -132,8 +132,7 @@ void AutoFrames::look(const Camera& camera) {
   if (keyframes_) {
     const bool recent = preparing_ != kKeyframes && frame_ - keyframes_seen_ <= kKeyframesLast;
     // A first one, from before the first frame, draws before there are two.
-    keyframes.ready =
-        recent && (decision_->draws() == kKeyframes ? keyframes_->any() : keyframes_->prepared());
+    keyframes.ready = recent && (first_alone_ || keyframes_->prepared());
     keyframes.preparable = !keyframes.ready && frame_ >= keyframes_again_;
     keyframes.prepare_ms = kOfFrames * kFirstKeyframes * kKeyframeMs;
   }
@@ -172,12 +171,14 @@ bool AutoFrames::good_enough(int method) {
   const auto good = [&] {
     if (!of.db) return true;
     // There will be a second one, and the wait for it is short.
-    if (method == kKeyframes && drawn_by_ == kKeyframes && first_alone_)
+    if (method == kKeyframes && first_alone_)
       return !first_is_hopeless(*of.db, std::nullopt, options_.loss_db, true);
     // What was refused must certainly be good to draw again: else it would come and go.
     const bool known = drew && (of.refusals == 0 || drawn_by_ == kKeyframes);
+    // By as much looks go to and fro: what draws is not left for that.
+    const double noise_db = decision_->draws() == kKeyframes ? kAsGoodDb : 0;
     if (method == kKeyframes)
-      return good_beside_cache(*of.db, cache_loss_, options_.loss_db, known);
+      return good_beside_cache(*of.db - noise_db, cache_loss_, options_.loss_db, known);
     // Nobody has seen it yet: what was looked at is one frame.
     const double sure = !drew ? kCertainly : method == kLevels ? kOfLevels : 1;
     return rilievo::good_enough(*of.db, cache_loss_, sure * options_.loss_db);
@@ -202,12 +203,14 @@ Result<> AutoFrames::measure_loss(const Camera& camera, double time, const AutoC
   const bool sure =
       of.db && rilievo::good_enough(*of.db, std::nullopt, kCertainly * options_.loss_db);
   // A first keyframe is left behind with each frame until there is another.
-  const int frames = !keyframes_->prepared() ? kLossFramesOfFirst
-                     : sure                  ? kLossFramesIfSure
-                                             : kLossFrames;
+  const int frames = first_alone_ ? kLossFramesOfFirst : sure ? kLossFramesIfSure : kLossFrames;
   if (of.db && frame_ % frames != 0) return Done{};
+  // So what was seen of it some frames ago says little; and is all that is known for some looks.
+  const std::optional<double> before = first_alone_ ? of.db : std::nullopt;
+  if (first_alone_ && frame_ % kForgetsFirst == 0) keyframes_->forget_loss();
   for (int i = of.db ? kLossesOfTrial - 1 : 0; i < kLossesOfTrial; ++i)
     of.db = loss_of(*keyframes_);
+  if (!of.db) of.db = before;
   if (!good_enough(choice.draws))
     for (int i = 0; i < kLossesToRefuse; ++i) of.db = loss_of(*keyframes_);
   if (of.db && good_enough(choice.draws)) of.refusals = 0;
@@ -337,7 +340,8 @@ Result<> AutoFrames::draw(const Camera& camera, double time) {
   // What was seen of them was elsewhere.
   if (eye_.jumped() && drawn_by_ == kKeyframes)
     loss_[kKeyframes].db.reset(), keyframes_->forget_loss();
-  if (eye_.jumped() && made_.keyframes) made_.jumped = true, made_.jumped_in = frame_;
+  if (eye_.jumped() && preparing_ < 0 && made_.keyframes)
+    made_.jumped = true, made_.jumped_in = frame_;
   // Nor are they kept for here.
   if (eye_.jumped() && decision_->draws() != kKeyframes)
     keyframes_seen_ = frame_ - kKeyframesLast - 1;
@@ -346,7 +350,10 @@ Result<> AutoFrames::draw(const Camera& camera, double time) {
   look(camera);
   // What frames make of keyframes they make after what is timed.
   const bool disturbed = preparing_ >= 0 && stage_ != Preparing::by_frames;
-  const AutoChoice choice = decision_->next(outlook_, eye_.jumped(), preparing_ >= 0);
+  // Nor does a trial leave a first keyframe behind.
+  const AutoChoice choice =
+      decision_->next(outlook_, eye_.jumped(), preparing_ >= 0 || first_alone_);
+  if (first_alone_ && choice.draws != kKeyframes) end_first_keyframe();
   const bool opengl = backend_.drawn_by() == DrawnBy::opengl;
   // Warm-ups and trials are short: all of their frames count.
   const bool timed = !opengl || choice.reason == AutoReason::trial || frame_ % kTimedFrames == 0;
@@ -373,7 +380,7 @@ Result<> AutoFrames::draw(const Camera& camera, double time) {
   if (choice.draws == kKeyframes) {
     begins_with_keyframes_ = false;
     const KeyframeShares& shares = keyframes_->shares();
-    ms = make_second_keyframe(ms);
+    if (first_alone_) ms = make_second_keyframe(ms);
     ms = ms_when_settled(ms, shares.fill_ms, young_keyframes_ > 0);
     young_keyframes_ = shares.completed > 0 ? 0 : std::max(young_keyframes_ - 1, 0);
   }
@@ -386,6 +393,11 @@ Result<> AutoFrames::draw(const Camera& camera, double time) {
   if (preparing_ == kKeyframes) shared_eye_.post(eye_, time);
   if (options_.by_clock && (choice.draws == kKeyframes || choice.draws == kLevels))
     if (Result<> measured = measure_loss(camera, time, choice); !measured) return measured;
+  // The next frame is drawn from both: what the first one lost alone is not what these do.
+  if (first_alone_ && (keyframes_->shares().completed > 0 || keyframes_->shares().coarse)) {
+    end_first_keyframe();
+    loss_[kKeyframes].db.reset(), keyframes_->forget_loss();
+  }
   const double counted_ms = load_.by_threads(shared_chooser_->counted_ms());
   if (!options_.by_clock) {
     ms = counted_ms;
@@ -415,18 +427,21 @@ Result<> AutoFrames::draw(const Camera& camera, double time) {
 }
 
 // A first keyframe is left behind with each frame: until there is a second one, frames make as much
-// of that as those of other methods would. After a frame of `ms`; what it will take then.
+// of that as those of other methods would, if the pace leaves time. After a frame of `ms`; what it
+// takes without.
 double AutoFrames::make_second_keyframe(double ms) {
-  const double keyframe_ms = keyframes_->shares().keyframe_ms, own_ms = ms - keyframe_ms;
-  const bool alone = !keyframes_->prepared();
-  if (first_alone_) {
-    ms = own_ms + std::min(keyframe_ms, kKeyframeMs);
-    // What the first one lost alone is not what both do.
-    if (!alone) loss_[kKeyframes].db.reset(), keyframes_->forget_loss();
-  }
-  first_alone_ = alone;
-  keyframes_->allow(alone ? time_for_keyframes(own_ms, own_ms, own_ms, own_ms) : 0);
-  return ms;
+  const double made_ms = keyframes_->shares().keyframe_ms, own_ms = ms - made_ms;
+  double allowed_ms = time_for_keyframes(own_ms, own_ms, own_ms, own_ms);
+  if (options_.fps > 0)
+    allowed_ms =
+        std::clamp(AutoDecision::kKeepsPace * 1000 / options_.fps - own_ms, 0.0, allowed_ms);
+  keyframes_->allow(allowed_ms);
+  return own_ms + std::min(made_ms, keyframe_ms());
+}
+
+void AutoFrames::end_first_keyframe() {
+  first_alone_ = false;
+  keyframes_->allow(0);
 }
 
 // During a trial of another, and for some frames after one of theirs, they go on, as much as they

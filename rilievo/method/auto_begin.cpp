@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <glm/glm.hpp>
+#include <utility>
 
 #include "rilievo/core/box_view.h"
 #include "rilievo/core/stopwatch.h"
@@ -85,15 +86,16 @@ Result<> AutoFrames::begin(const Camera& camera, double time) {
     fade_.end(), fade_.reserve(camera.width, camera.height);
   measure_load(camera);
   begun_in_ = frame_;
-  begins_with_ = kDirect;
   // What the first frame made was of another size.
   if (preparing_ < 0) made_.keyframes.reset();
-  if (Result<> found = find_beginning(camera, time); !found) return found;
+  if (first_alone_) end_first_keyframe();
+  const Result<bool> by_keyframes = begin_with_keyframes(camera, time);
+  if (!by_keyframes) return by_keyframes.error();
   made_.usual.forget();
   // To try the cache later is dear: it captures for several frames. Direct drawing is tried at any
   // time.
-  if (begins_with_ == kDirect && caches_ && !cheap_) begins_with_ = kCache;
-  decision_.emplace(kCandidates, begins_with_, pace_ms);
+  const int others = caches_ && !cheap_ ? kCache : kDirect;
+  decision_.emplace(kCandidates, *by_keyframes ? kKeyframes : others, pace_ms);
   width_ = camera.width, height_ = camera.height;
   return Done{};
 }
@@ -104,21 +106,21 @@ double AutoFrames::polygons_over_keyframes(double direct_ms) const {
 }
 
 // Where polygons take long keyframes are made from the first frame on, and before the first one of
-// all it is seen how good they are.
-Result<> AutoFrames::find_beginning(const Camera& camera, double time) {
+// all it is seen how good they are. Do they draw it?
+Result<bool> AutoFrames::begin_with_keyframes(const Camera& camera, double time) {
   if (!options_.by_clock || !caches_ || failed_[kKeyframes] || meshes_triangles_ > kMostForLoss ||
       backend_.drawn_by() != DrawnBy::software || preparing_ >= 0)
-    return Done{};
-  if (polygons_over_keyframes(load_.direct_ms()) < kKeyframesMayPay) return Done{};
+    return false;
+  if (polygons_over_keyframes(load_.direct_ms()) < kKeyframesMayPay) return false;
   const Result<bool> pay = count_polygons(camera, time);
   if (!pay) return pay.error();
   const bool keeps_pace =
       options_.fps > 0 && begun_ms_ < AutoDecision::kKeepsPace * 1000 / options_.fps;
-  if (keeps_pace) return Done{};
+  if (keeps_pace) return false;
   begins_with_keyframes_ = *pay;
   const double direct_ms = begun_ms_ / slowness_.value();
-  const bool looks = frame_ == 0 && polygons_over_keyframes(direct_ms) >= kKeyframesWorthALook;
-  return looks ? look_at_keyframes(camera, time) : Done{};
+  return frame_ == 0 && polygons_over_keyframes(direct_ms) >= kKeyframesWorthALook &&
+         look_at_keyframes(camera, time);
 }
 
 // Draws the frame and counts its work, since times of a first frame say little. Do keyframes pay?
@@ -146,50 +148,54 @@ Result<bool> AutoFrames::count_polygons(const Camera& camera, double time) {
 }
 
 // Makes the first keyframe, which later ones would wait for in any case. Where it is certainly good
-// enough it draws from the first frame on, and no frame is ever slower than it need be; where it is
-// not, and never will be, nothing more is made; else it is the first one of those that frames make.
-Result<> AutoFrames::look_at_keyframes(const Camera& camera, double time) {
-  Result<SoftwareBackend*> software = backend_.software();
-  if (!software) return software.error();
-  Result<std::unique_ptr<KeyframeFrames>> made = make_keyframes((*software)->scene());
-  failed_[kKeyframes] = !made || !(*made)->draw(camera, time);
-  if (failed_[kKeyframes]) return begins_with_keyframes_ = false, Done{};
-  KeyframeFrames& frames = **made;
-  if (!frames.any()) return Done{};
-  const Image<float>& inverse_z = frames_[kDirect]->software_target()->inverse_z();
-  std::optional<double> loss_db;
-  const auto look = [&](double pixels) {
-    const Result<std::optional<double>> found = loss_aside(camera, time, inverse_z, pixels, frames);
-    failed_[kKeyframes] = failed_[kKeyframes] || !found;
-    if (found) loss_db = *found;
-    return found && loss_db && good_beside_cache(*loss_db, std::nullopt, options_.loss_db, false);
+// enough it draws from this frame on; where it is not, and never will be, nothing more is made;
+// else it is the first one of those that frames make, if they do. What fails, for want of memory,
+// leaves the frame to the other methods.
+bool AutoFrames::look_at_keyframes(const Camera& camera, double time) {
+  const auto fail = [&] {
+    failed_[kKeyframes] = true;
+    return begins_with_keyframes_ = false;
   };
-  bool good = look(kSoonAside);
-  const bool hopeless =
-      !loss_db || first_is_hopeless(*loss_db, std::nullopt, options_.loss_db, false);
-  good = good && look(kLongAside);
-  if (failed_[kKeyframes]) return begins_with_keyframes_ = false, Done{};
-  if (!good && !hopeless && begins_with_keyframes_) {
-    made_.keyframes = std::move(*made);
-    return Done{};
+  Result<SoftwareBackend*> software = backend_.software();
+  if (!software) return fail();
+  Result<std::unique_ptr<KeyframeFrames>> made = make_keyframes((*software)->scene());
+  if (!made || !(*made)->draw(camera, time)) return fail();
+  KeyframeFrames& frames = **made;
+  // Nothing stands still.
+  if (!frames.any()) return begins_with_keyframes_ = false;
+  const Image<float>& inverse_z = frames_[kDirect]->software_target()->inverse_z();
+  std::optional<double> soon_db, long_db;
+  for (auto [pixels, db] : {std::pair(kSoonAside, &soon_db), std::pair(kLongAside, &long_db)}) {
+    const Result<std::optional<double>> found = loss_aside(camera, time, inverse_z, pixels, frames);
+    if (!found) return fail();
+    *db = *found;
+    if (!*db || !good_beside_cache(**db, std::nullopt, options_.loss_db, false)) break;
+  }
+  const bool good = soon_db && long_db &&
+                    good_beside_cache(std::max(*soon_db, *long_db), std::nullopt, options_.loss_db,
+                                      false),
+             hopeless =
+                 soon_db && first_is_hopeless(*soon_db, std::nullopt, options_.loss_db, false);
+  if (!good && !hopeless) {
+    if (begins_with_keyframes_) made_.keyframes = std::move(*made);
+    return false;
   }
   begins_with_keyframes_ = false;
-  loss_[kKeyframes] = {.db = loss_db, .seen_in = frame_, .refusals = good ? 0 : 1};
   const Stopwatch watch;
-  if (good)
-    if (Result<> drawn = frames.draw(camera, time); !drawn) return drawn;
+  if (good && !frames.draw(camera, time)) return fail();
   const double ms = watch.ms();
   Result<std::unique_ptr<FrameSource>> presented = backend_.present(std::move(*made));
-  if (!presented) return presented.error();
+  if (!presented) return fail();
   keyframes_ = &frames;
   frames_[kKeyframes] = std::move(*presented);
   keyframes_seen_ = frame_, keyframes_again_ = frame_ + kKeyframesAgain;
-  if (!good) return Done{};
+  loss_[kKeyframes] = {.db = good ? long_db : soon_db, .seen_in = frame_};
+  if (!good) return false;
   // What was seen from aside is no frame's.
   frames.forget_loss();
-  begins_with_ = begun_drawn_ = kKeyframes, begun_ms_ = ms;
-  young_keyframes_ = kKeyframesDwell;
-  return Done{};
+  begun_drawn_ = kKeyframes, begun_ms_ = ms;
+  young_keyframes_ = kKeyframesDwell, first_alone_ = true;
+  return true;
 }
 
 }  // namespace rilievo

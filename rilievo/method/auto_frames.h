@@ -106,10 +106,10 @@ class AutoFrames final : public FrameSource {
 
   [[nodiscard]] static std::uint64_t count_mesh_triangles(const Scene& scene);
   Result<> begin(const Camera& camera, double time);
-  Result<> find_beginning(const Camera& camera, double time);
+  Result<bool> begin_with_keyframes(const Camera& camera, double time);
   Result<bool> count_polygons(const Camera& camera, double time);
   [[nodiscard]] double polygons_over_keyframes(double direct_ms) const;
-  Result<> look_at_keyframes(const Camera& camera, double time);
+  bool look_at_keyframes(const Camera& camera, double time);
   [[nodiscard]] Result<std::unique_ptr<KeyframeFrames>> make_keyframes(const Scene& scene) const;
   void look(const Camera& camera);
   void measure_load(const Camera& camera);
@@ -125,7 +125,11 @@ class AutoFrames final : public FrameSource {
   [[nodiscard]] bool keep_keyframes(const Camera& camera, double time, const AutoChoice& choice);
   [[nodiscard]] Result<std::optional<double>> look_at_levels(const Camera& camera, double time,
                                                              bool again);
+  [[nodiscard]] double keyframe_ms() const {
+    return options_.keyframe_ms > 0 ? options_.keyframe_ms : kKeyframeMs;
+  }
   [[nodiscard]] double make_second_keyframe(double ms);
+  void end_first_keyframe();
   void prepare(int method, const Camera& camera, double time);
   void make_part(const Camera& camera, double time, double ms);
   void look_at_first_keyframe(const Camera& camera, double time);
@@ -159,7 +163,7 @@ class AutoFrames final : public FrameSource {
   KeyframeFrames* keyframes_ = nullptr;            // of frames_[kKeyframes]
   int keyframes_seen_ = 0;    // the last frame that they drew, or were prepared for
   int young_keyframes_ = 0;   // frames until they are as they will be, if none is completed before
-  bool first_alone_ = false;  // there was only one, when they drew last
+  bool first_alone_ = false;  // they draw from the one that the first frame of all made
   int keyframes_again_ = 0;   // the first frame in which they may be prepared again
   AutoLevels levels_;         // of frames_[kLevels]
   double looked_triangles_ = 0;  // in view, when it was seen what they lose
@@ -188,7 +192,6 @@ class AutoFrames final : public FrameSource {
   SharedEye shared_eye_;
   std::atomic<bool> prepared_{false};
   Prepared made_;
-  int begins_with_ = kDirect;           // what is cheapest before the first frame
   bool begins_with_keyframes_ = false;  // from the first frame on they are prepared
   int begun_in_ = 0;                    // frame
   int begun_drawn_ = -1;                // what drew the first frame, to find out; -1: none

@@ -28,7 +28,7 @@ Result<std::unique_ptr<KeyframeFrames>> AutoFrames::make_keyframes(const Scene& 
   keyframes.polygons_where_cheaper = false;
   if (options_.gap_px > 0) keyframes.gap_px = options_.gap_px;
   keyframes.keyframes.samples = options_.keyframe_samples;
-  keyframes.keyframes.keyframe_ms = options_.keyframe_ms > 0 ? options_.keyframe_ms : kKeyframeMs;
+  keyframes.keyframes.keyframe_ms = keyframe_ms();
   return KeyframeFrames::create(scene, keyframes);
 }
 

@@ -231,7 +231,7 @@ TEST_F(AutoTest, where_direct_drawing_takes_long_keyframes_begin_if_they_are_goo
       return made->frames->stats().decision.method == "keyframes";
     };
     // If not at once, not while the cache captures what it sees at first, and in some frames after.
-    while (frame < 6) EXPECT_EQ(draw(0), certain) << allowed_db << " in " << frame;
+    while (frame < (certain ? 3 : 6)) EXPECT_EQ(draw(0), certain) << allowed_db << " in " << frame;
     // Beside other programs they may have to be made again: who waits for a calm frame too long is
     // of elsewhere.
     const int most = hopeless ? 140 : 1500;

@@ -45,7 +45,7 @@ AutoTrials::AutoTrials(int most_warm_up) { ms_.reserve(std::size_t(most_warm_up 
 bool AutoTrials::affords(const TrialOutlook& outlook, double free_ms, double now_ms) const {
   double expense = std::max(0.0, outlook.likely_ms - free_ms) * (outlook.warm_up + kFrames);
   // To return to what warms up for long is an expense, and to begin with it for no likely gain.
-  if ((outlook.measured || outlook.likely_ms > now_ms) && outlook.warm_up >= kWarmsUpLong)
+  if ((outlook.measured || outlook.likely_ms > free_ms) && outlook.warm_up >= kWarmsUpLong)
     expense += kWarmUpMore * outlook.likely_ms * outlook.warm_up;
   // The time of two frames is free.
   return expense <= 0 || trials_ms_ + expense <= 2 * now_ms + kShare * all_ms_;

@@ -139,6 +139,8 @@ TEST(AutoTrials, to_begin_with_what_warms_up_for_long_for_no_likely_gain_is_an_e
   AutoTrials trials(12);
   TrialOutlook outlook{.warm_up = 12, .likely_ms = 1.02 * kNow, .measured = false};
   EXPECT_FALSE(trials.affords(outlook, kNow, kNow));
+  // With a pace that it keeps it loses nothing.
+  EXPECT_TRUE(trials.affords(outlook, 1.1 * kNow, kNow));
   // After some hundred frames it is a small share of all.
   for (int i = 0; i < 250; ++i) trials.add_other(kNow);
   EXPECT_TRUE(trials.affords(outlook, kNow, kNow));
