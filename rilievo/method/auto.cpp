@@ -393,11 +393,7 @@ Result<> AutoFrames::draw(const Camera& camera, double time) {
   if (preparing_ == kKeyframes) shared_eye_.post(eye_, time);
   if (options_.by_clock && (choice.draws == kKeyframes || choice.draws == kLevels))
     if (Result<> measured = measure_loss(camera, time, choice); !measured) return measured;
-  // The next frame is drawn from both: what the first one lost alone is not what these do.
-  if (first_alone_ && (keyframes_->shares().completed > 0 || keyframes_->shares().coarse)) {
-    end_first_keyframe();
-    loss_[kKeyframes].db.reset(), keyframes_->forget_loss();
-  }
+  if (first_alone_) follow_first_keyframe();
   const double counted_ms = load_.by_threads(shared_chooser_->counted_ms());
   if (!options_.by_clock) {
     ms = counted_ms;
@@ -439,8 +435,18 @@ double AutoFrames::make_second_keyframe(double ms) {
   return own_ms + std::min(made_ms, keyframe_ms());
 }
 
+// After a frame that it drew. The one after it that completes the second one is drawn from both:
+// what the first one lost alone is not what these do.
+void AutoFrames::follow_first_keyframe() {
+  const KeyframeShares& shares = keyframes_->shares();
+  const bool completed = shares.completed > 0;
+  if (second_made_ || shares.coarse) end_first_keyframe();
+  second_made_ = first_alone_ && completed;
+  if (completed || shares.coarse) loss_[kKeyframes].db.reset(), keyframes_->forget_loss();
+}
+
 void AutoFrames::end_first_keyframe() {
-  first_alone_ = false;
+  first_alone_ = second_made_ = false;
   keyframes_->allow(0);
 }
 

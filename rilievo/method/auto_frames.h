@@ -129,6 +129,7 @@ class AutoFrames final : public FrameSource {
     return options_.keyframe_ms > 0 ? options_.keyframe_ms : kKeyframeMs;
   }
   [[nodiscard]] double make_second_keyframe(double ms);
+  void follow_first_keyframe();
   void end_first_keyframe();
   void prepare(int method, const Camera& camera, double time);
   void make_part(const Camera& camera, double time, double ms);
@@ -164,6 +165,7 @@ class AutoFrames final : public FrameSource {
   int keyframes_seen_ = 0;    // the last frame that they drew, or were prepared for
   int young_keyframes_ = 0;   // frames until they are as they will be, if none is completed before
   bool first_alone_ = false;  // they draw from the one that the first frame of all made
+  bool second_made_ = false;  // the next frame draws from another, too
   int keyframes_again_ = 0;   // the first frame in which they may be prepared again
   AutoLevels levels_;         // of frames_[kLevels]
   double looked_triangles_ = 0;  // in view, when it was seen what they lose
