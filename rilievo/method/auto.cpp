@@ -34,6 +34,8 @@ constexpr int kFirstKeyframes = 64;
 // so many frames, then twice as many, at most so many: somewhere else it may be.
 constexpr int kLossFrames = 4, kLossFramesIfSure = 8, kLossFramesOfFirst = 2, kForgetsFirst = 16,
               kLossFramesOfLevels = 8, kLooksAgain = 80, kLooksAgainAtMost = 1280;
+// So many times what is allowed keyframes may lose while it is not known what the cache loses.
+constexpr double kUnseenCache = 1.5;
 // Keyframes are made again for that, which takes some dozen frames a third more.
 constexpr int kMakesAgain = 2 * kLooksAgain;
 // The share of what is allowed that levels may lose: in some scenes they are measured to lose 1 dB
@@ -175,10 +177,12 @@ bool AutoFrames::good_enough(int method) {
       return !first_is_hopeless(*of.db, std::nullopt, options_.loss_db, true);
     // What was refused must certainly be good to draw again: else it would come and go.
     const bool known = drew && (of.refusals == 0 || drawn_by_ == kKeyframes);
-    // By as much looks go to and fro: what draws is not left for that.
-    const double noise_db = decision_->draws() == kKeyframes ? kAsGoodDb : 0;
+    // By as much looks go to and fro: what draws is not left for that. Nor for a cache that nobody
+    // has seen, which may be as bad, and takes many times as long, if it is half as bad again.
+    const bool draws = decision_->draws() == kKeyframes;
+    const double noise_db = draws ? kAsGoodDb : 0, times = draws && !cache_loss_ ? kUnseenCache : 1;
     if (method == kKeyframes)
-      return good_beside_cache(*of.db - noise_db, cache_loss_, options_.loss_db, known);
+      return good_beside_cache(*of.db - noise_db, cache_loss_, times * options_.loss_db, known);
     // Nobody has seen it yet: what was looked at is one frame.
     const double sure = !drew ? kCertainly : method == kLevels ? kOfLevels : 1;
     return rilievo::good_enough(*of.db, cache_loss_, sure * options_.loss_db);
