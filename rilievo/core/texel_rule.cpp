@@ -150,8 +150,8 @@ class ThinSurfaces {
   }
   // What is half a texel wide has half of the samples of one texel in each row that it crosses, in
   // the mean over a few rows: places of samples lie nearer to each other in one direction than in
-  // another. A third is half, more or less. It may end within these rows: a tip, of
-  // which a texel has half if it shows it, as otherwise tips would be drawn out.
+  // another. A third is half, more or less. Near an end the texel itself must have
+  // half, as otherwise tips would be drawn out.
   [[nodiscard]] bool is_wide_enough(const Front& front, const glm::ivec2& at, int count,
                                     const glm::ivec2& step) const {
     const glm::ivec2 onwards(step.y, step.x);

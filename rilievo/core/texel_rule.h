@@ -7,8 +7,9 @@
 // - A texel shows the surface at its centre. Where that is behind (or nothing), and a surface in
 //   front is thinner than two texels and covers the centre of no texel across it, but half a texel
 //   of samples, then the texel with most of those samples shows the thin surface: a cable of half a
-//   texel's width is a chain of texels without a gap. A tip, which ends within two texels on one
-//   side, does so where half of the texel's samples show it.
+//   texel's width is a chain of texels without a gap. Within two texels of an end of that surface,
+//   a texel shows it only if half of the texel's samples do; a surface shorter than three texels
+//   shows in none.
 // - Its colour is the mean of the samples of that surface, and of those that it hides in part.
 //   A sample shows the surface if it is of the same object and lies near the plane through the
 //   texel's centre: within three texels' widths (what warps link in any case) and half of the
