@@ -166,23 +166,33 @@ void AutoFrames::learn_slowness(MachineSlowness::Source source, double times, bo
     if (off != 1) off = std::clamp(off / more, 1 / kMostOff, kMostOff);
 }
 
+// Have they drawn, and were not refused since? What was must certainly be good to draw again: else
+// it would come and go.
+bool AutoFrames::keyframes_known() const {
+  return decision_->mean_ms(kKeyframes) > 0 &&
+         (loss_[kKeyframes].refusals == 0 || drawn_by_ == kKeyframes);
+}
+
+// Are keyframes, where they lose that?
+bool AutoFrames::keyframes_good_enough(double loss_db) const {
+  // There will be a second one, and the wait for it is short.
+  if (first_alone_) return !first_is_hopeless(loss_db, std::nullopt, options_.loss_db, true);
+  if (decision_->draws() != kKeyframes)
+    return good_beside_cache(loss_db, cache_loss_, options_.loss_db, keyframes_known());
+  // What draws is not left for the noise of a look, nor soon for a cache that nobody has seen: it
+  // may lose as much, and takes longer.
+  const double times = cache_loss_ ? 1 : kUnseenCache;
+  return good_beside_cache(loss_db - kAsGoodDb, cache_loss_, times * options_.loss_db,
+                           keyframes_known());
+}
+
 // Is a method whose loss is measured? What was not may be, some time later.
 bool AutoFrames::good_enough(int method) {
   Loss& of = loss_[method];
   const bool drew = decision_->mean_ms(method) > 0;
   const auto good = [&] {
     if (!of.db) return true;
-    // There will be a second one, and the wait for it is short.
-    if (method == kKeyframes && first_alone_)
-      return !first_is_hopeless(*of.db, std::nullopt, options_.loss_db, true);
-    // What was refused must certainly be good to draw again: else it would come and go.
-    const bool known = drew && (of.refusals == 0 || drawn_by_ == kKeyframes);
-    // By as much looks go to and fro: what draws is not left for that. Nor for a cache that nobody
-    // has seen, which may be as bad, and takes many times as long, if it is half as bad again.
-    const bool draws = decision_->draws() == kKeyframes;
-    const double noise_db = draws ? kAsGoodDb : 0, times = draws && !cache_loss_ ? kUnseenCache : 1;
-    if (method == kKeyframes)
-      return good_beside_cache(*of.db - noise_db, cache_loss_, times * options_.loss_db, known);
+    if (method == kKeyframes) return keyframes_good_enough(*of.db);
     // Nobody has seen it yet: what was looked at is one frame.
     const double sure = !drew ? kCertainly : method == kLevels ? kOfLevels : 1;
     return rilievo::good_enough(*of.db, cache_loss_, sure * options_.loss_db);
@@ -384,7 +394,7 @@ Result<> AutoFrames::draw(const Camera& camera, double time) {
   if (choice.draws == kKeyframes) {
     begins_with_keyframes_ = false;
     const KeyframeShares& shares = keyframes_->shares();
-    if (first_alone_) ms = make_second_keyframe(ms);
+    if (first_alone_) ms = allow_second_keyframe(ms);
     ms = ms_when_settled(ms, shares.fill_ms, young_keyframes_ > 0);
     young_keyframes_ = shares.completed > 0 ? 0 : std::max(young_keyframes_ - 1, 0);
   }
@@ -429,18 +439,18 @@ Result<> AutoFrames::draw(const Camera& camera, double time) {
 // A first keyframe is left behind with each frame: until there is a second one, frames make as much
 // of that as those of other methods would, if the pace leaves time. After a frame of `ms`; what it
 // takes without.
-double AutoFrames::make_second_keyframe(double ms) {
+double AutoFrames::allow_second_keyframe(double ms) {
   const double made_ms = keyframes_->shares().keyframe_ms, own_ms = ms - made_ms;
   double allowed_ms = time_for_keyframes(own_ms, own_ms, own_ms, own_ms);
   if (options_.fps > 0)
     allowed_ms =
         std::clamp(AutoDecision::kKeepsPace * 1000 / options_.fps - own_ms, 0.0, allowed_ms);
-  keyframes_->allow(allowed_ms);
+  keyframes_->allow_keyframe_ms(allowed_ms);
   return own_ms + std::min(made_ms, keyframe_ms());
 }
 
-// After a frame that it drew. The one after it that completes the second one is drawn from both:
-// what the first one lost alone is not what these do.
+// After a frame from the first keyframe. A frame that completes the second one shows the first one
+// alone, the next frame both; what the first one lost alone is forgotten.
 void AutoFrames::follow_first_keyframe() {
   const KeyframeShares& shares = keyframes_->shares();
   const bool completed = shares.completed > 0;
@@ -451,7 +461,7 @@ void AutoFrames::follow_first_keyframe() {
 
 void AutoFrames::end_first_keyframe() {
   first_alone_ = second_made_ = false;
-  keyframes_->allow(0);
+  keyframes_->allow_keyframe_ms(0);
 }
 
 // During a trial of another, and for some frames after one of theirs, they go on, as much as they

@@ -120,7 +120,7 @@ Result<bool> AutoFrames::begin_with_keyframes(const Camera& camera, double time)
   begins_with_keyframes_ = *pay;
   const double direct_ms = begun_ms_ / slowness_.value();
   return frame_ == 0 && polygons_over_keyframes(direct_ms) >= kKeyframesWorthALook &&
-         look_at_keyframes(camera, time);
+         make_first_keyframe(camera, time);
 }
 
 // Draws the frame and counts its work, since times of a first frame say little. Do keyframes pay?
@@ -151,7 +151,7 @@ Result<bool> AutoFrames::count_polygons(const Camera& camera, double time) {
 // enough it draws from this frame on; where it is not, and never will be, nothing more is made;
 // else it is the first one of those that frames make, if they do. What fails, for want of memory,
 // leaves the frame to the other methods.
-bool AutoFrames::look_at_keyframes(const Camera& camera, double time) {
+bool AutoFrames::make_first_keyframe(const Camera& camera, double time) {
   const auto fail = [&] {
     failed_[kKeyframes] = true;
     return begins_with_keyframes_ = false;
@@ -164,18 +164,17 @@ bool AutoFrames::look_at_keyframes(const Camera& camera, double time) {
   // Nothing stands still.
   if (!frames.any()) return begins_with_keyframes_ = false;
   const Image<float>& inverse_z = frames_[kDirect]->software_target()->inverse_z();
-  std::optional<double> soon_db, long_db;
-  for (auto [pixels, db] : {std::pair(kSoonAside, &soon_db), std::pair(kLongAside, &long_db)}) {
+  std::optional<double> loss_db;
+  bool good = true, hopeless = false;
+  for (const double pixels : {kSoonAside, kLongAside}) {
+    if (!good) break;
     const Result<std::optional<double>> found = loss_aside(camera, time, inverse_z, pixels, frames);
     if (!found) return fail();
-    *db = *found;
-    if (!*db || !good_beside_cache(**db, std::nullopt, options_.loss_db, false)) break;
+    loss_db = *found;
+    good = loss_db && good_beside_cache(*loss_db, std::nullopt, options_.loss_db, false);
+    hopeless = pixels == kSoonAside && loss_db &&
+               first_is_hopeless(*loss_db, std::nullopt, options_.loss_db, false);
   }
-  const bool good = soon_db && long_db &&
-                    good_beside_cache(std::max(*soon_db, *long_db), std::nullopt, options_.loss_db,
-                                      false),
-             hopeless =
-                 soon_db && first_is_hopeless(*soon_db, std::nullopt, options_.loss_db, false);
   if (!good && !hopeless) {
     if (begins_with_keyframes_) made_.keyframes = std::move(*made);
     return false;
@@ -189,7 +188,7 @@ bool AutoFrames::look_at_keyframes(const Camera& camera, double time) {
   keyframes_ = &frames;
   frames_[kKeyframes] = std::move(*presented);
   keyframes_seen_ = frame_, keyframes_again_ = frame_ + kKeyframesAgain;
-  loss_[kKeyframes] = {.db = good ? long_db : soon_db, .seen_in = frame_};
+  loss_[kKeyframes] = {.db = loss_db, .seen_in = frame_};
   if (!good) return false;
   // What was seen from aside is no frame's.
   frames.forget_loss();

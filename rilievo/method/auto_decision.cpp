@@ -25,7 +25,6 @@ constexpr double kStaysRecent = 0.99, kMostGain = 0.2;
 constexpr double kLikely = 0.5;
 // What is prepared in the time of so many frames need not gain much.
 constexpr double kLittle = 2;
-
 // What is in view has not changed while a rough model says that much of what it did.
 constexpr double kAsMuch = 0.7;
 constexpr int kWarmsUpLong = AutoTrials::kWarmsUpLong;

@@ -109,12 +109,14 @@ class AutoFrames final : public FrameSource {
   Result<bool> begin_with_keyframes(const Camera& camera, double time);
   Result<bool> count_polygons(const Camera& camera, double time);
   [[nodiscard]] double polygons_over_keyframes(double direct_ms) const;
-  bool look_at_keyframes(const Camera& camera, double time);
+  bool make_first_keyframe(const Camera& camera, double time);
   [[nodiscard]] Result<std::unique_ptr<KeyframeFrames>> make_keyframes(const Scene& scene) const;
   void look(const Camera& camera);
   void measure_load(const Camera& camera);
   [[nodiscard]] bool in_a_hurry(double guess_ms) const;
   [[nodiscard]] bool good_enough(int method);
+  [[nodiscard]] bool keyframes_good_enough(double loss_db) const;
+  [[nodiscard]] bool keyframes_known() const;
   [[nodiscard]] bool looks_exact(int method) const;
   void learn_direct(double ms, bool trial);
   void learn_slowness(MachineSlowness::Source source, double times, bool at_most);
@@ -128,7 +130,7 @@ class AutoFrames final : public FrameSource {
   [[nodiscard]] double keyframe_ms() const {
     return options_.keyframe_ms > 0 ? options_.keyframe_ms : kKeyframeMs;
   }
-  [[nodiscard]] double make_second_keyframe(double ms);
+  [[nodiscard]] double allow_second_keyframe(double ms);
   void follow_first_keyframe();
   void end_first_keyframe();
   void prepare(int method, const Camera& camera, double time);

@@ -13,6 +13,14 @@
 namespace rilievo {
 namespace {
 
+// Keyframes as `auto` makes them: never polygons.
+Result<std::unique_ptr<KeyframeFrames>> keyframes_of(const Scene& scene, double keyframe_ms) {
+  KeyframeFramesOptions options;
+  options.polygons_where_cheaper = false;
+  options.keyframes.keyframe_ms = keyframe_ms;
+  return KeyframeFrames::create(scene, options);
+}
+
 // A walk of frames that take so long, and now and then a capture as well: however long keyframes
 // take, no frame is above 1.6 times the usual one for them, and they are there before a quarter of
 // a walk of some seconds has gone by: its median is that of what draws then.
@@ -222,10 +230,7 @@ TEST(AutoKeyframes, what_is_prepared_in_parts_is_what_frames_would_make) {
 TEST(AutoKeyframes, what_a_frame_makes_all_of_is_there_in_that_frame) {
   const auto built = make_builtin("builtin:stonehenge?triangles=20000");
   ASSERT_TRUE(built.ok());
-  KeyframeFramesOptions options;
-  options.polygons_where_cheaper = false;
-  options.keyframes.keyframe_ms = 8;
-  const auto frames = KeyframeFrames::create(built->scene, options);
+  const auto frames = keyframes_of(built->scene, 8);
   ASSERT_TRUE(frames.ok());
   const auto camera = [&](int i) {
     return camera_at(built->path, frame_time(built->path, i), 160, 90);
@@ -263,19 +268,16 @@ TEST(AutoKeyframes, an_eye_is_looked_from_so_many_pixels_aside) {
 TEST(AutoKeyframes, where_more_is_allowed_the_second_one_comes_after_fewer_frames) {
   const auto built = make_builtin("builtin:stonehenge?triangles=20000");
   ASSERT_TRUE(built.ok());
-  KeyframeFramesOptions options;
-  options.polygons_where_cheaper = false;
-  options.keyframes.keyframe_ms = 1e-3;
   int frames_of[2];
   for (const bool allowed : {false, true}) {
-    const auto frames = KeyframeFrames::create(built->scene, options);
+    const auto frames = keyframes_of(built->scene, 1e-3);
     ASSERT_TRUE(frames.ok());
     int frame = 0;
     for (; frame < 200 && (frame < 2 || !(*frames)->prepared()); ++frame) {
       const double time = frame_time(built->path, frame);
       ASSERT_TRUE((*frames)->draw(camera_at(built->path, time, 160, 90), time).ok());
       EXPECT_TRUE((*frames)->any());
-      (*frames)->allow(allowed ? 1e4 : 0);
+      (*frames)->allow_keyframe_ms(allowed ? 1e4 : 0);
     }
     frames_of[allowed] = frame;
   }
@@ -287,10 +289,7 @@ TEST(AutoKeyframes, where_more_is_allowed_the_second_one_comes_after_fewer_frame
 TEST(AutoKeyframes, from_aside_the_first_one_loses_more) {
   const auto built = make_builtin("builtin:stonehenge?triangles=20000");
   ASSERT_TRUE(built.ok());
-  KeyframeFramesOptions options;
-  options.polygons_where_cheaper = false;
-  options.keyframes.keyframe_ms = 8;
-  const auto frames = KeyframeFrames::create(built->scene, options);
+  const auto frames = keyframes_of(built->scene, 8);
   ASSERT_TRUE(frames.ok());
   const Camera camera = camera_at(built->path, 0, 320, 180);
   ASSERT_TRUE((*frames)->draw(camera, 0).ok());

@@ -174,10 +174,9 @@ Result<> AutoFrames::adopt() {
   if (stage_ == Preparing::shown && active_->software_target()) return Done{};
   if (stage_ == Preparing::by_frames && !made_.given_up) return Done{};
   beside_->wait();
-  const bool first_refused =
-      stage_ == Preparing::first_looked_at && made_.found.loss_db &&
-      first_is_hopeless(*made_.found.loss_db, made_.found.cache_loss_db, options_.loss_db,
-                        decision_->mean_ms(kKeyframes) > 0 && loss_[kKeyframes].refusals == 0);
+  const bool first_refused = stage_ == Preparing::first_looked_at && made_.found.loss_db &&
+                             first_is_hopeless(*made_.found.loss_db, made_.found.cache_loss_db,
+                                               options_.loss_db, keyframes_known());
   const bool goes_on = (stage_ == Preparing::made && made_.by_frames) ||
                        (stage_ == Preparing::first_looked_at && !first_refused);
   if (goes_on && !made_.failed) {

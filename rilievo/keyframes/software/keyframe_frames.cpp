@@ -78,7 +78,7 @@ struct KeyframeFrames::State {
   std::optional<CheaperWay> cheaper;  // where polygons show the same and time matters
   bool warps = false;                 // the last frame shows keyframes
   bool making_beside = false;         // it is polygons, and keyframes are being made
-  double allowed_ms = 0;              // see allow()
+  double allowed_ms = 0;              // see allow_keyframe_ms()
 
   std::unique_ptr<KeyframePainter> painter;
   WarpedFrame warped;
@@ -352,7 +352,7 @@ Result<> KeyframeFrames::draw_objects() {
   return s.painter->draw_objects(s.warps ? &s.keyframe_tiles : nullptr);
 }
 
-void KeyframeFrames::allow(double keyframe_ms) { state_->allowed_ms = keyframe_ms; }
+void KeyframeFrames::allow_keyframe_ms(double ms) { state_->allowed_ms = ms; }
 
 Result<> KeyframeFrames::prepare(const Camera& camera, double time, bool anew, double allowed_ms) {
   State& s = *state_;

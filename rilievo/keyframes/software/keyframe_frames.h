@@ -83,9 +83,9 @@ class KeyframeFrames final : public FrameSource {
   // The share of the last frame's pixels that show polygons. Counts them.
   [[nodiscard]] double live_share() const;
 
-  // Frames from the next one on may spend so long on a part of a keyframe, if that is more than
-  // they else would; 0, as at first: no longer.
-  void allow(double keyframe_ms);
+  // From the next frame on, a frame may spend `ms` on a part of a keyframe, or what its options
+  // allow if that is more. 0, the default: what its options allow.
+  void allow_keyframe_ms(double ms);
   // Beside a frame that something else draws: makes a part of a keyframe, in at most `allowed_ms`
   // if that is more than others take. `anew`: this is the first such frame for some time, and
   // keyframes from before are forgotten. Fails where a capture does.
