@@ -25,7 +25,7 @@ void FrameLoss::add(const Camera& camera, std::span<const std::uint32_t> objects
                     const Rgba8Image& color, int times) {
   const std::span shown(reinterpret_cast<const std::uint32_t*>(color.texels().data()),
                         color.texels().size());
-  for (int i = 0; i < times; ++i) loss_.add(camera, objects, shown, i == 0 ? kRememberedFrames : 1);
+  loss_.add(camera, objects, shown, times, kRememberedFrames);
 }
 
 std::optional<double> FrameLoss::db() const {

@@ -222,11 +222,9 @@ Result<> AutoFrames::measure_loss(const Camera& camera, double time, const AutoC
   // So what was seen of it some frames ago says little; and is all that is known for some looks.
   const std::optional<double> before = first_alone_ ? of.db : std::nullopt;
   if (first_alone_ && frame_ % kForgetsFirst == 0) keyframes_->forget_loss();
-  for (int i = of.db ? kLossesOfTrial - 1 : 0; i < kLossesOfTrial; ++i)
-    of.db = loss_of(*keyframes_);
+  of.db = loss_of(*keyframes_, of.db ? 1 : kLossesOfTrial);
   if (!of.db) of.db = before;
-  if (!good_enough(choice.draws))
-    for (int i = 0; i < kLossesToRefuse; ++i) of.db = loss_of(*keyframes_);
+  if (!good_enough(choice.draws)) of.db = loss_of(*keyframes_, kLossesToRefuse);
   if (of.db && good_enough(choice.draws)) of.refusals = 0;
   return Done{};
 }

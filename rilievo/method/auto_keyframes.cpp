@@ -45,9 +45,7 @@ constexpr double kSurface = 1.001;
 Result<std::optional<double>> loss_from(const Camera& camera, double time, KeyframeFrames& frames) {
   frames.forget_loss();
   if (Result<> done = frames.look_from(camera, time); !done) return done.error();
-  std::optional<double> loss_db;
-  for (int i = 0; i < kLooks; ++i) loss_db = loss_of(frames);
-  return loss_db;
+  return loss_of(frames, kLooks);
 }
 
 }  // namespace
@@ -180,8 +178,8 @@ Result<std::optional<double>> loss_aside(const Camera& camera, double time,
   return loss_from(eye_aside(camera, inverse_z, pixels), time, frames);
 }
 
-std::optional<double> loss_of(KeyframeFrames& frames) {
-  const std::optional<double> sampled = frames.sample_loss();
+std::optional<double> loss_of(KeyframeFrames& frames, int looks) {
+  const std::optional<double> sampled = frames.sample_loss(looks);
   return sampled ? std::optional(without_own_noise(*sampled)) : std::nullopt;
 }
 
@@ -195,10 +193,8 @@ Audition audition_keyframes(const ShownFrame& shown, const EyePrediction& eye,
   if (!ms) return found;
   found.processor_ms = *ms;
   frames.forget_loss();
-  for (int i = 0; i < kMostAuditions * kAuditionLosses; ++i) {
-    found.loss_db = loss_of(frames);
-    if (found.loss_db && i + 1 >= kAuditionLosses) break;
-  }
+  for (int i = 0; i < kMostAuditions && !found.loss_db; ++i)
+    found.loss_db = loss_of(frames, kAuditionLosses);
   const Result<std::optional<double>> ahead = loss_ahead(eye, shown.time, frames);
   if (found.loss_db && ahead && *ahead) found.loss_db = std::max(*found.loss_db, **ahead);
   return found;

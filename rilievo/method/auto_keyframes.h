@@ -140,7 +140,7 @@ inline constexpr double kSoonAside = 24, kLongAside = 64;
                                                        KeyframeFrames& frames);
 
 // KeyframeFrames::sample_loss(), without the noise of its own truth.
-[[nodiscard]] std::optional<double> loss_of(KeyframeFrames& frames);
+[[nodiscard]] std::optional<double> loss_of(KeyframeFrames& frames, int looks);
 
 // Draws a frame for the eye of the one that is shown, and looks ahead, too: the larger loss counts.
 // How good the cache is the same rays say: what moves must be left out of `shown`.

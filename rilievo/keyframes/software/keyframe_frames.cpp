@@ -401,10 +401,10 @@ Result<> KeyframeFrames::look_from(const Camera& camera, double time) {
   return s.warp_from(s.producer->choose_for(camera));
 }
 
-std::optional<double> KeyframeFrames::sample_loss() {
+std::optional<double> KeyframeFrames::sample_loss(int looks) {
   State& s = *state_;
   if (!s.loss) s.loss.emplace(s.rays);
-  if (s.warps) s.loss->add(s.camera, s.still, s.warped.color.texels());
+  if (s.warps) s.loss->add(s.camera, s.still, s.warped.color.texels(), looks);
   return s.loss->known() ? std::optional(s.loss->loss_db()) : std::nullopt;
 }
 

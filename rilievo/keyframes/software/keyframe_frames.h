@@ -107,10 +107,10 @@ class KeyframeFrames final : public FrameSource {
   // Are there keyframes to begin with?
   [[nodiscard]] bool prepared() const;
 
-  // Looks at some pixels of the last frame, if it was warped: by how many dB what was warped is
-  // farther from the truth than direct drawing (keyframes/software/sampled_loss.h). Some ms. None:
-  // not known yet.
-  std::optional<double> sample_loss();
+  // Looks at some pixels of the last frame, `looks` times SampledLoss::kPixels, if it was warped:
+  // by how many dB what was warped is farther from the truth than direct drawing
+  // (keyframes/software/sampled_loss.h). Some ms. None: not known yet.
+  std::optional<double> sample_loss(int looks);
   // Begins anew.
   void forget_loss();
   // The scene as rays see it: what moves is where it began.

@@ -18,12 +18,45 @@ constexpr double kRounding = 0.25;
 // the whole frame, wherever that is.
 constexpr double kAround = 4;
 constexpr int kOfFrame = 8;
+// Pixels of which so many as are asked for are taken.
+constexpr int kCandidates = 4 * SampledLoss::kPixels;
+// How likely pixels are to be off, in steps of a byte: beside their contrast; and where direct
+// drawing fills a hole.
+constexpr double kLeastLikely = 8, kOfDrawn = 32;
+// What is kept of the sums with each frame where few of the pixels show surfaces.
+constexpr double kRememberedIfFew = 0.97;
 
 double square(const glm::dvec3& a) { return glm::dot(a, a); }
 
 // Of `count` samples, of which the last component of `sums` counts those that show surfaces.
 glm::dvec3 mean(const glm::ivec4& sums, int count, const glm::dvec3& sky) {
   return (glm::dvec3(sums) + double(count - sums.w) * sky) / double(count);
+}
+
+// In rows.
+bool before(const FramePixel& a, const FramePixel& b) { return a.y != b.y ? a.y < b.y : a.x < b.x; }
+
+// How much a pixel is likely to be off, as far as its neighbours tell: frames and direct drawing
+// differ from the truth at edges.
+double likely_error(std::span<const std::uint32_t> shown, const Camera& camera,
+                    const FramePixel& pixel) {
+  const auto at = [&](int x, int y) {
+    x = std::clamp(x, 0, camera.width - 1), y = std::clamp(y, 0, camera.height - 1);
+    return shown[std::size_t(y) * std::size_t(camera.width) + std::size_t(x)];
+  };
+  const auto drawn = [](std::uint32_t c) { return c == 0 || c == kCoveredPixel; };
+  const std::uint32_t c = at(pixel.x, pixel.y);
+  if (drawn(c)) return kOfDrawn;
+  int most = 0;
+  for (const glm::ivec2& to : {glm::ivec2(-1, 0), {1, 0}, {0, -1}, {0, 1}}) {
+    const std::uint32_t d = at(pixel.x + to.x, pixel.y + to.y);
+    if (drawn(d))
+      most = std::max(most, int(kOfDrawn));
+    else
+      for (const int shift : {0, 8, 16})
+        most = std::max(most, std::abs(int(c >> shift & 255) - int(d >> shift & 255)));
+  }
+  return kLeastLikely + most;
 }
 
 bool lies_in(const RasterRect& rect, const FramePixel& pixel) {
@@ -55,27 +88,52 @@ RasterRect SampledLoss::find_rect(const Camera& camera,
           std::min(all.bottom, std::ceil(seen.bottom + kAround))};
 }
 
-// In rows, each once.
-void SampledLoss::choose_pixels(const Camera& camera, const RasterRect& rect) {
-  const auto next = [&](double from, double to) {
-    random_ = random_ * 1664525u + 1013904223u;
-    return std::uint16_t(std::uint32_t(from) + (random_ >> 8) % std::uint32_t(to - from));
+// Of candidates, which are as likely as their area, those are taken that are likely to be off, and
+// stand for less the likelier they are. In rows, each once.
+void SampledLoss::choose_pixels(const Camera& camera, const RasterRect& rect,
+                                std::span<const std::uint32_t> shown) {
+  const auto next = [&] { return (random_ = random_ * 1664525u + 1013904223u) >> 8; };
+  const auto within = [&](double from, double to) {
+    return std::uint16_t(std::uint32_t(from) + next() % std::uint32_t(to - from));
   };
-  pixels_.clear();
-  for (int i = 0; i < kPixels; ++i) {
+  candidates_.clear();
+  int in_rect = 0;
+  for (int i = 0; i < kCandidates; ++i) {
     const RasterRect of =
         i % kOfFrame == 0 ? RasterRect{0, 0, double(camera.width), double(camera.height)} : rect;
-    const std::uint16_t x = next(of.left, of.right);
-    pixels_.push_back({x, next(of.top, of.bottom)});
+    const std::uint16_t x = within(of.left, of.right);
+    candidates_.push_back({{x, within(of.top, of.bottom)}, 0, 0});
+    in_rect += lies_in(rect, candidates_.back().pixel);
   }
-  std::sort(pixels_.begin(), pixels_.end(), [](const FramePixel& a, const FramePixel& b) {
-    return a.y != b.y ? a.y < b.y : a.x < b.x;
-  });
-  pixels_.erase(std::unique(pixels_.begin(), pixels_.end(),
-                            [](const FramePixel& a, const FramePixel& b) {
-                              return a.x == b.x && a.y == b.y;
-                            }),
-                pixels_.end());
+  // What a candidate stands for, in means of all.
+  const double share = (rect.right - rect.left) * (rect.bottom - rect.top) /
+                       (double(camera.width) * camera.height),
+               of_inner = share * kCandidates / std::max(in_rect, 1),
+               of_outer = (1 - share) * kCandidates / std::max(kCandidates - in_rect, 1);
+  double all = 0;
+  for (Chosen& one : candidates_) {
+    one.weight = lies_in(rect, one.pixel) ? of_inner : of_outer;
+    one.likely = likely_error(shown, camera, one.pixel);
+    all += one.likely;
+  }
+  const double step = all / kPixels;
+  double at = step * (next() / 16777216.0);
+  chosen_.clear();
+  for (Chosen& one : candidates_) {
+    int times = 0;
+    for (at -= one.likely; at < 0; at += step) ++times;
+    if (times == 0) continue;
+    one.weight *= times * all / (one.likely * kCandidates);
+    chosen_.push_back(one);
+  }
+  std::sort(chosen_.begin(), chosen_.end(),
+            [](const Chosen& a, const Chosen& b) { return before(a.pixel, b.pixel); });
+  pixels_.clear(), weights_.clear();
+  for (const Chosen& one : chosen_) {
+    const bool again = !pixels_.empty() && !before(pixels_.back(), one.pixel);
+    if (!again) pixels_.push_back(one.pixel), weights_.push_back(0);
+    weights_.back() += one.weight;
+  }
 }
 
 // The sums of the samples' bytes of each pixel.
@@ -104,9 +162,6 @@ void SampledLoss::cast(const Camera& camera, std::span<const FramePixel> pixels,
       left &= ~same;
     }
   }
-  const auto before = [](const FramePixel& a, const FramePixel& b) {
-    return a.y != b.y ? a.y < b.y : a.x < b.x;
-  };
   seen_.shade(caster_.view(camera, kSamples), [&](const SeenTriangles::Shaded& shaded) {
     std::uint32_t bytes[Surfaces::kMaxCount];
     premultiplied_bytes(shaded.surfaces, shaded.colors, bytes);
@@ -124,18 +179,28 @@ void SampledLoss::cast(const Camera& camera, std::span<const FramePixel> pixels,
 }
 
 void SampledLoss::add(const Camera& camera, std::span<const std::uint32_t> objects,
-                      std::span<const std::uint32_t> shown, double remembered) {
+                      std::span<const std::uint32_t> shown, int looks, double remembered) {
   RILIEVO_EXPECTS_EQ(shown.size(), std::size_t(camera.width) * std::size_t(camera.height));
+  RILIEVO_EXPECTS(looks > 0);
+  keep(remembered, looks);
   const RasterRect rect = find_rect(camera, objects);
-  choose_pixels(camera, rect);
-  const auto in_rect = double(std::ranges::count_if(
-      pixels_, [&](const FramePixel& pixel) { return lies_in(rect, pixel); }));
-  const double beside = double(pixels_.size()) - in_rect;
-  // What a pixel stands for, in means of the pixels that were chosen.
-  const double share = (rect.right - rect.left) * (rect.bottom - rect.top) /
-                       (double(camera.width) * camera.height),
-               of_inner = share * double(pixels_.size()) / std::max(in_rect, 1.0),
-               of_outer = (1 - share) * double(pixels_.size()) / std::max(beside, 1.0);
+  for (int i = 0; i < looks; ++i) look(camera, objects, rect, shown);
+}
+
+// Of other frames; and of one at which there were many more looks no more than that would be of
+// many such frames. Where little of the view is surfaces so many looks are not enough to know it.
+void SampledLoss::keep(double remembered, int looks) {
+  double keeps = remembered;
+  if (remembered * surfaces_ < kEnoughSurfaces)
+    keeps = std::max(remembered, kRememberedIfFew);
+  else if (remembered < 1)
+    keeps = std::min(keeps, looks * kPixels * remembered / (1 - remembered) / counted_);
+  for (double* sum : {&shown_, &direct_, &counted_, &surfaces_}) *sum *= keeps;
+}
+
+void SampledLoss::look(const Camera& camera, std::span<const std::uint32_t> objects,
+                       const RasterRect& rect, std::span<const std::uint32_t> shown) {
+  choose_pixels(camera, rect, shown);
   cast(camera, pixels_, objects, direct_sums_);
   // The truth: four pixels of a frame of twice the size. Rows of it are in order, too.
   const Camera fine = supersampled(camera, 2);
@@ -159,10 +224,6 @@ void SampledLoss::add(const Camera& camera, std::span<const std::uint32_t> objec
       bytes[c] = std::round(255 * srgb_from_linear(std::clamp(color[c], 0.0f, 1.0f)));
     return bytes;
   };
-  // Where little of the view is surfaces, so many looks are not enough to know it.
-  const double keeps =
-      remembered * surfaces_ < kEnoughSurfaces ? std::max(remembered, kRemembered) : remembered;
-  for (double* sum : {&shown_, &direct_, &counted_, &surfaces_}) *sum *= keeps;
   for (std::size_t from = 0, part = 0; from < pixels_.size();) {
     std::size_t to = from;
     while (to < pixels_.size() && pixels_[to].y == pixels_[from].y) ++to;
@@ -177,17 +238,18 @@ void SampledLoss::add(const Camera& camera, std::span<const std::uint32_t> objec
       const double of_direct = square(mean(few, kSamples, sky) - truth);
       const std::uint32_t seen =
           shown[std::size_t(pixels_[i].y) * std::size_t(camera.width) + pixels_[i].x];
-      const double weight = lies_in(rect, pixels_[i]) ? of_inner : of_outer;
+      const double weight = weights_[i];
       shown_ += weight *
                 (seen == 0 || seen == kCoveredPixel || seen == kPlainSky
                      ? of_direct
                      : square(glm::dvec3(seen & 255, seen >> 8 & 255, seen >> 16 & 255) - truth));
       direct_ += weight * of_direct;
-      counted_ += weight, surfaces_ += all.w > 0;
+      surfaces_ += all.w > 0;
     }
     part += 4 * in_row;
     from = to;
   }
+  counted_ += kPixels;
 }
 
 double SampledLoss::loss_db(double shown, double direct, double counted) {

@@ -143,7 +143,7 @@ void SampledLossTest::expect_ratio_of_whole_frames(const std::function<Camera(in
     for (int y = 0; y < kHeight; ++y)
       for (int x = 1; x < kWidth; ++x) off(x, y) = of_direct(x - 1, y);
     direct += mean_square(of_direct, truth), shown += mean_square(off, truth);
-    loss.add(camera, objects_, warped_as(off).texels());
+    loss.add(camera, objects_, warped_as(off).texels(), 1, 1);
   }
   ASSERT_TRUE(loss.known());
   const double frames_loss = SampledLoss::loss_db(shown, direct, 40);
@@ -156,6 +156,39 @@ TEST_F(SampledLossTest, it_is_the_ratio_of_the_whole_frames_errors) {
   // Some 3000 pixels, most of whose errors are at edges: a hundred or two of them count.
   expect_ratio_of_whole_frames(
       [&](int i) { return camera_at(path_, frame_time(path_, 2 * i), kWidth, kHeight); }, 1.5);
+}
+
+// Of one frame, a pixel off, they are off by 0.53 dB; as many of any pixels by 0.9.
+TEST_F(SampledLossTest, looks_at_one_frame_agree) {
+  constexpr int kTimes = 40, kLooks = 8;
+  const Camera camera = camera_at(path_, frame_time(path_, 20), kWidth, kHeight);
+  const Rgba8Image truth = halved(draw(camera, 2)), of_direct = draw(camera, 1);
+  Rgba8Image off = of_direct;
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 1; x < kWidth; ++x) off(x, y) = of_direct(x - 1, y);
+  const double true_db =
+      SampledLoss::loss_db(mean_square(off, truth), mean_square(of_direct, truth), 1);
+  SampledLoss loss(*rays_);
+  double squares = 0;
+  for (int i = 0; i < kTimes; ++i) {
+    loss.forget();
+    loss.add(camera, objects_, warped_as(off).texels(), kLooks);
+    squares += std::pow(loss.loss_db() - true_db, 2);
+  }
+  EXPECT_LT(std::sqrt(squares / kTimes), 0.7);
+}
+
+TEST_F(SampledLossTest, many_looks_at_one_frame_are_forgotten_as_few) {
+  const Camera camera = camera_at(path_, 0, kWidth, kHeight);
+  const Rgba8Image own = draw(camera, 1);
+  Rgba8Image black = own;
+  for (glm::u8vec4& color : black.texels()) color = {0, 0, 0, 255};
+  SampledLoss loss(*rays_);
+  loss.add(camera, objects_, warped_as(black).texels(), 64);
+  const double of_black = loss.loss_db();
+  for (int i = 0; i < 44; ++i) loss.add(camera, objects_, warped_as(own).texels());
+  // 0.9^44 is 0.01.
+  EXPECT_LT(loss.loss_db(), of_black - 15);
 }
 
 TEST_F(SampledLossTest, edges_before_the_sky_count) {
