@@ -15,8 +15,9 @@ namespace {
 
 // What is taken of an error that only simplification vouches for.
 constexpr double kSafely = 0.5;
-// Levels that are not good enough get half the error, down to this share of what was asked for.
-constexpr double kFinest = 0.125;
+// Levels that are not good enough get so much of the error, down to this share of what was asked
+// for.
+constexpr double kFiner = 0.7, kFinest = 0.125;
 
 Result<> make_frames(const Backend& backend, double error_px, AutoLevels& levels) {
   Result<std::unique_ptr<LeveledBackend>> made =
@@ -76,8 +77,8 @@ void follow_error(double error_px, AutoLevels& levels) {
 }
 
 bool make_finer(double error_px, AutoLevels& levels) {
-  if (levels.share / 2 < kFinest) return false;
-  levels.share /= 2;
+  if (levels.share <= kFinest) return false;
+  levels.share = std::max(kFiner * levels.share, kFinest);
   follow_error(error_px, levels);
   return true;
 }

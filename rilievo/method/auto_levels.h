@@ -30,7 +30,7 @@ struct AutoLevels {
 
 // From the next frame on this error is asked for, of which they take their share. Requires frames.
 void follow_error(double error_px, AutoLevels& levels);
-// From the next frame on they take half of their share. Returns false if they are the finest
+// From the next frame on they take less of it. Returns false if they are the finest
 // already.
 [[nodiscard]] bool make_finer(double error_px, AutoLevels& levels);
 

@@ -56,15 +56,15 @@ TEST_F(AutoLevelsTest, what_was_made_follows_a_changed_error) {
   follow_error(2 * kErrorPx, levels_);
   EXPECT_TRUE(drawn() == lod(kErrorPx));
   ASSERT_TRUE(make_finer(2 * kErrorPx, levels_));
-  EXPECT_TRUE(drawn() == lod(kErrorPx / 2));
+  EXPECT_TRUE(drawn() == lod(0.7 * kErrorPx));
   follow_error(kErrorPx, levels_);
-  EXPECT_TRUE(drawn() == lod(kErrorPx / 4));
+  EXPECT_TRUE(drawn() == lod(0.35 * kErrorPx));
 }
 
 TEST_F(AutoLevelsTest, they_become_finer_down_to_an_eighth) {
-  for (const double share : {0.25, 0.125}) {
+  for (const double share : {0.35, 0.245, 0.1715, 0.125}) {
     ASSERT_TRUE(make_finer(kErrorPx, levels_));
-    EXPECT_EQ(levels_.share, share);
+    EXPECT_DOUBLE_EQ(levels_.share, share);
   }
   EXPECT_FALSE(make_finer(kErrorPx, levels_));
   EXPECT_TRUE(drawn() == lod(kErrorPx / 8));
