@@ -27,6 +27,9 @@ constexpr double kLikely = 0.5;
 constexpr double kLittle = 2;
 // What is in view has not changed while a rough model says that much of what it did.
 constexpr double kAsMuch = 0.7;
+// Else to return to what captures must be likely to take at most this share of what draws: its
+// first frame takes several times as long, which a small gain never pays for.
+constexpr double kWorthReturning = 0.85;
 constexpr int kWarmsUpLong = AutoTrials::kWarmsUpLong;
 
 int gap_after(int fails, bool close) {
@@ -127,7 +130,7 @@ int AutoDecision::worth_trying(std::span<const AutoOutlook> outlook, bool ready)
     // But what captures when it returns is a frame of several times the time: something in view
     // must have changed for that.
     if (candidate.warm_up >= kWarmsUpLong && one.prior_ms > kAsMuch * cost.prior_ms &&
-        cost.prior_ms > 0 && !better(likely, i, free_ms(), draws_))
+        cost.prior_ms > 0 && likely > kWorthReturning * free_ms())
       continue;
     if (!trials_.affords({candidate.warm_up, likely, cost.mean_ms > 0}, free_ms(), now)) continue;
     const double gains = now - (hope + likely) / 2, pays = kPaysWithin * candidate.chance * gains;

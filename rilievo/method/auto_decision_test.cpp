@@ -512,6 +512,27 @@ TEST(AutoDecision, what_is_dear_to_return_to_is_tried_for_what_has_changed) {
   EXPECT_EQ(decision.draws(), 0);
 }
 
+// As in bridge: keyframes became a little dearer than the cache was, whose trial was a frame of six
+// times the time.
+TEST(AutoDecision, what_is_dear_to_return_to_is_not_tried_for_a_little) {
+  const auto tried = [](double keyframes_later_ms) {
+    const AutoCandidate candidates[] = {{"cache", 1, 12}, {"keyframes", 3, 1, 0.5, 48}};
+    AutoDecision decision(candidates, 0);
+    int by_cache = 0;
+    for (int frame = 0; frame < 600; ++frame) {
+      const AutoOutlook outlook[] = {{.ready = true, .prior_ms = 60},
+                                     {.ready = frame > 30, .guess_ms = 25}};
+      const AutoChoice choice = decision.next(outlook);
+      by_cache += frame > 100 && choice.draws == 0;
+      decision.add(choice.draws == 0 ? 33 : frame < 100 ? 25 : keyframes_later_ms);
+    }
+    return by_cache;
+  };
+  EXPECT_EQ(tried(36), 0);
+  EXPECT_EQ(tried(38), 0);
+  EXPECT_GT(tried(40), 300);
+}
+
 TEST(AutoDecision, what_is_prepared_is_not_prepared_again) {
   const AutoCandidate candidates[] = {{"direct", 0}, {"lod", 2, 1}};
   AutoDecision decision(candidates, 0);
