@@ -246,7 +246,8 @@ Result<> AutoFrames::measure_loss_of_levels(const Camera& camera, double time) {
   }
   const bool good = good_enough(kLevels);
   if (good) of.refusals = 0;
-  if (!good && make_finer(options_.error_px, levels_)) forget_levels();
+  const double excess_db = of.db.value_or(0) - kOfLevels * options_.loss_db;
+  if (!good && make_finer(options_.error_px, excess_db, levels_)) forget_levels();
   return Done{};
 }
 

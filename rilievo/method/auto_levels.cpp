@@ -15,9 +15,9 @@ namespace {
 
 // What is taken of an error that only simplification vouches for.
 constexpr double kSafely = 0.5;
-// Levels that are not good enough get so much of the error, down to this share of what was asked
-// for.
-constexpr double kFiner = 0.7, kFinest = 0.125;
+// Levels that are not good enough get so much of the error, or, where they lose much more than they
+// may, dB, so much; down to this share of what was asked for.
+constexpr double kFiner = 0.7, kMuchFiner = 0.5, kMuchMoreDb = 1.5, kFinest = 0.125;
 
 Result<> make_frames(const Backend& backend, double error_px, AutoLevels& levels) {
   Result<std::unique_ptr<LeveledBackend>> made =
@@ -76,9 +76,9 @@ void follow_error(double error_px, AutoLevels& levels) {
   levels.chooser->set_error(levels.share * error_px);
 }
 
-bool make_finer(double error_px, AutoLevels& levels) {
+bool make_finer(double error_px, double excess_db, AutoLevels& levels) {
   if (levels.share <= kFinest) return false;
-  levels.share = std::max(kFiner * levels.share, kFinest);
+  levels.share = std::max((excess_db > kMuchMoreDb ? kMuchFiner : kFiner) * levels.share, kFinest);
   follow_error(error_px, levels);
   return true;
 }

@@ -30,9 +30,9 @@ struct AutoLevels {
 
 // From the next frame on this error is asked for, of which they take their share. Requires frames.
 void follow_error(double error_px, AutoLevels& levels);
-// From the next frame on they take less of it. Returns false if they are the finest
-// already.
-[[nodiscard]] bool make_finer(double error_px, AutoLevels& levels);
+// From the next frame on they take less of it: they lose excess_db more than they may. Returns
+// false if they are the finest already.
+[[nodiscard]] bool make_finer(double error_px, double excess_db, AutoLevels& levels);
 
 // Draws a frame of a software backend for the eye of the one that is shown, which touches all of a
 // target's memory, too: with all of error_px where that is good enough, else with half of it. Where

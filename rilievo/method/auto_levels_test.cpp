@@ -55,7 +55,7 @@ TEST_F(AutoLevelsTest, they_begin_with_half_of_the_error) {
 TEST_F(AutoLevelsTest, what_was_made_follows_a_changed_error) {
   follow_error(2 * kErrorPx, levels_);
   EXPECT_TRUE(drawn() == lod(kErrorPx));
-  ASSERT_TRUE(make_finer(2 * kErrorPx, levels_));
+  ASSERT_TRUE(make_finer(2 * kErrorPx, 0.1, levels_));
   EXPECT_TRUE(drawn() == lod(0.7 * kErrorPx));
   follow_error(kErrorPx, levels_);
   EXPECT_TRUE(drawn() == lod(0.35 * kErrorPx));
@@ -63,11 +63,16 @@ TEST_F(AutoLevelsTest, what_was_made_follows_a_changed_error) {
 
 TEST_F(AutoLevelsTest, they_become_finer_down_to_an_eighth) {
   for (const double share : {0.35, 0.245, 0.1715, 0.125}) {
-    ASSERT_TRUE(make_finer(kErrorPx, levels_));
+    ASSERT_TRUE(make_finer(kErrorPx, 0.1, levels_));
     EXPECT_DOUBLE_EQ(levels_.share, share);
   }
-  EXPECT_FALSE(make_finer(kErrorPx, levels_));
+  EXPECT_FALSE(make_finer(kErrorPx, 0.1, levels_));
   EXPECT_TRUE(drawn() == lod(kErrorPx / 8));
+}
+
+TEST_F(AutoLevelsTest, they_become_much_finer_where_they_lose_much_more) {
+  ASSERT_TRUE(make_finer(kErrorPx, 2, levels_));
+  EXPECT_DOUBLE_EQ(levels_.share, 0.25);
 }
 
 TEST_F(AutoLevelsTest, an_audition_takes_all_of_the_error_where_that_is_good_enough) {
