@@ -61,8 +61,8 @@ struct Audition {
 };
 
 // So many times the pixels of SampledLoss are looked at in one frame; and so many times as many, at
-// most, where these show too little but the sky. A few hundred pixels hold most of the error, so
-// that of half as many the loss goes to and fro by 1 dB.
+// most, where these show too little but the sky. A few hundred pixels hold most of the error: of
+// half as many the loss goes to and fro by half a dB.
 inline constexpr int kAuditionLosses = 32, kMostAuditions = 2;
 
 // The loss of a frame that is shown, in these colours, and of no other. None: it shows too little.

@@ -91,7 +91,7 @@ class KeyframesDoubt {
 };
 
 // Will frames from two keyframes lose more than is allowed? `loss_db` is the loss of frames from
-// the first one alone, which a second one makes smaller by a quarter or so; `cache_loss_db` that
+// the first one alone, which a second one has made smaller by a third at most; `cache_loss_db` that
 // of the cache's frame at the same time (none: not known). `drew`: keyframes have drawn before, so
 // that more is known of them than what was looked at now.
 [[nodiscard]] bool first_is_hopeless(double loss_db, std::optional<double> cache_loss_db,

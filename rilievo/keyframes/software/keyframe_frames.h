@@ -109,7 +109,7 @@ class KeyframeFrames final : public FrameSource {
 
   // Looks at some pixels of the last frame, `looks` times SampledLoss::kPixels, if it was warped:
   // by how many dB what was warped is farther from the truth than direct drawing
-  // (keyframes/software/sampled_loss.h). Some ms. None: not known yet.
+  // (keyframes/software/sampled_loss.h). Some ms for each look. None: not known yet.
   std::optional<double> sample_loss(int looks);
   // Begins anew.
   void forget_loss();

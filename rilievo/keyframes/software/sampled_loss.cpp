@@ -23,8 +23,8 @@ constexpr int kCandidates = 4 * SampledLoss::kPixels;
 // How likely pixels are to be off, in steps of a byte: beside their contrast; and where direct
 // drawing fills a hole.
 constexpr double kLeastLikely = 8, kOfDrawn = 32;
-// What is kept of the sums with each frame where few of the pixels show surfaces.
-constexpr double kRememberedIfFew = 0.97;
+// Beside that, in means of all candidates: what is missing, or wrong all over, has no contrast.
+constexpr double kOfAny = 0.3;
 
 double square(const glm::dvec3& a) { return glm::dot(a, a); }
 
@@ -47,9 +47,11 @@ double likely_error(std::span<const std::uint32_t> shown, const Camera& camera,
   const auto drawn = [](std::uint32_t c) { return c == 0 || c == kCoveredPixel; };
   const std::uint32_t c = at(pixel.x, pixel.y);
   if (drawn(c)) return kOfDrawn;
+  if (c == kPlainSky) return kLeastLikely;
   int most = 0;
   for (const glm::ivec2& to : {glm::ivec2(-1, 0), {1, 0}, {0, -1}, {0, 1}}) {
     const std::uint32_t d = at(pixel.x + to.x, pixel.y + to.y);
+    if (d == kPlainSky) continue;
     if (drawn(d))
       most = std::max(most, int(kOfDrawn));
     else
@@ -71,6 +73,9 @@ SampledLoss::SampledLoss(const RayScene& rays) : sky_(rays.scene().sky), caster_
   for (std::size_t i = 0; i < scene.objects.size(); ++i)
     bounds_.push_back(
         transformed(rays.poses()[i], scene.models[std::size_t(scene.objects[i].model)].bounds));
+  candidates_.reserve(kCandidates), chosen_.reserve(kPixels);
+  pixels_.reserve(kPixels), weights_.reserve(kPixels), parts_.reserve(4 * kPixels);
+  direct_sums_.reserve(kPixels), true_sums_.reserve(4 * kPixels);
 }
 
 RasterRect SampledLoss::find_rect(const Camera& camera,
@@ -94,7 +99,7 @@ void SampledLoss::choose_pixels(const Camera& camera, const RasterRect& rect,
                                 std::span<const std::uint32_t> shown) {
   const auto next = [&] { return (random_ = random_ * 1664525u + 1013904223u) >> 8; };
   const auto within = [&](double from, double to) {
-    return std::uint16_t(std::uint32_t(from) + next() % std::uint32_t(to - from));
+    return std::uint16_t(from + (std::uint64_t(next()) * std::uint64_t(to - from) >> 24));
   };
   candidates_.clear();
   int in_rect = 0;
@@ -116,6 +121,9 @@ void SampledLoss::choose_pixels(const Camera& camera, const RasterRect& rect,
     one.likely = likely_error(shown, camera, one.pixel);
     all += one.likely;
   }
+  const double any = kOfAny * all / kCandidates;
+  for (Chosen& one : candidates_) one.likely += any;
+  all *= 1 + kOfAny;
   const double step = all / kPixels;
   double at = step * (next() / 16777216.0);
   chosen_.clear();
@@ -188,13 +196,12 @@ void SampledLoss::add(const Camera& camera, std::span<const std::uint32_t> objec
 }
 
 // Of other frames; and of one at which there were many more looks no more than that would be of
-// many such frames. Where little of the view is surfaces so many looks are not enough to know it.
+// many such frames. But where little of the view is surfaces as many as are needed to know it.
 void SampledLoss::keep(double remembered, int looks) {
-  double keeps = remembered;
-  if (remembered * surfaces_ < kEnoughSurfaces)
-    keeps = std::max(remembered, kRememberedIfFew);
-  else if (remembered < 1)
-    keeps = std::min(keeps, looks * kPixels * remembered / (1 - remembered) / counted_);
+  if (remembered == 1 || surfaces_ == 0) return;
+  const double as_such = looks * kPixels * remembered / (1 - remembered) / counted_,
+               needed = (kEnoughSurfaces + 1) / surfaces_;
+  const double keeps = std::min(1.0, std::max(std::min(remembered, as_such), needed));
   for (double* sum : {&shown_, &direct_, &counted_, &surfaces_}) *sum *= keeps;
 }
 
