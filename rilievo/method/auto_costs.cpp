@@ -71,9 +71,9 @@ double AutoDecision::plausible(int i, const AutoOutlook& outlook) const {
     least = std::min(least, cost.calm * (cost.calm_of_guess ? outlook.guess_ms : 1));
   if (cost.measured >= kSure) return kContradicts * least < ms ? least : ms;
   if (outlook.guess_ms > 0) least = std::min(least, outlook.guess_ms);
-  if (kContradicts * least < ms) return least;
   const double prior_ms = outlook.guess_ms > 0 ? 0 : outlook.prior_ms;
-  return prior_ms > 0 && kContradictsPrior * prior_ms < ms ? prior_ms : ms;
+  if (prior_ms > 0 && kContradictsPrior * prior_ms < ms) least = std::min(least, prior_ms);
+  return kContradicts * least < ms ? least : ms;
 }
 
 // What it takes if it takes little.
