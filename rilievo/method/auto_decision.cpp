@@ -30,6 +30,8 @@ constexpr double kAsMuch = 0.7;
 // Else to return to what captures must be likely to take at most this share of what draws: its
 // first frame takes several times as long, which a small gain never pays for.
 constexpr double kWorthReturning = 0.85;
+// And it is left for a gain of so much.
+constexpr double kWorthLeaving = 0.1;
 constexpr int kWarmsUpLong = AutoTrials::kWarmsUpLong;
 
 int gap_after(int fails, bool close) {
@@ -80,9 +82,10 @@ bool AutoDecision::better(double ms, int candidate, double than_ms, int than) co
     const bool keeps = ms < kKeepsPace * pace_ms_, than_keeps = than_ms < kKeepsPace * pace_ms_;
     if (keeps && than_keeps) return rank < than_rank;
   }
-  // What is dear to return to is not left for nothing.
-  const bool stays = candidates_[std::size_t(than)].warm_up >= kWarmsUpLong;
-  return ms < (rank < than_rank && !stays ? 1 : 1 - needed_gain()) * than_ms;
+  // What is dear to return to is not left for nothing, nor for what may be chance.
+  if (candidates_[std::size_t(than)].warm_up >= kWarmsUpLong)
+    return ms < (1 - std::max(kWorthLeaving, needed_gain())) * than_ms;
+  return ms < (rank < than_rank ? 1 : 1 - needed_gain()) * than_ms;
 }
 
 // Each change costs a trial and a fade: what changed often must gain more.
@@ -177,6 +180,9 @@ int AutoDecision::plainly_worth_trying(std::span<const AutoOutlook> outlook) con
     if (i == draws_ || !one.ready || !one.good_enough || one.guess_ms == 0) return false;
     if (costs_[std::size_t(i)].mean_ms > 0 || reason_ != AutoReason::begins) return false;
     double least = costs_[std::size_t(draws_)].mean_ms;
+    // Its first frames capture: they do not say what it will take.
+    const double prior_ms = outlook[std::size_t(draws_)].prior_ms;
+    if (prior_ms > 0) least = std::min(least, prior_ms);
     for (const AutoOutlook& other : outlook)
       if (&other != &one && other.ready && other.guess_ms > 0)
         least = std::min(least, other.guess_ms);

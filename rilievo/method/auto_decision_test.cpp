@@ -139,7 +139,7 @@ TEST(AutoDecision, equal_methods_do_not_take_turns) {
   }
 }
 
-// As in park-inside. Each trial is seen as two changes: three trials in the mean.
+// As in park-inside. Each trial is seen as two changes: three or four trials in the mean.
 TEST(AutoDecision, methods_that_cost_nearly_the_same_are_tried_seldom) {
   int all = 0;
   for (int seed = 0; seed < 50; ++seed) {
@@ -149,7 +149,7 @@ TEST(AutoDecision, methods_that_cost_nearly_the_same_are_tried_seldom) {
                             1, 240, 0.25, std::uint32_t(seed));
     all += drawn.changes;
   }
-  EXPECT_LT(all, 50 * 7);
+  EXPECT_LT(all, 50 * 7.5);
 }
 
 // As in trucks-fly: the cache has become slower since its first warm frames, which no model
@@ -263,12 +263,16 @@ TEST(AutoDecision, what_warms_up_for_long_is_not_tried_again_where_it_gains_litt
 
 TEST(AutoDecision, what_warms_up_for_long_is_left_for_a_gain_alone) {
   const auto by_direct = [](double direct_ms) {
-    return walk({{{"direct", 0}, always(direct_ms)}, {{"cache", 1, 12}, always(30), 0, 1.5}}, 1,
-                600, 0, 1)
-        .drawn[0];
+    int frames = 0;
+    for (int seed = 1; seed <= 20; ++seed)
+      frames += walk({{{"direct", 0}, always(direct_ms)}, {{"cache", 1, 12}, always(30), 0, 1.5}},
+                     1, 600, 0, std::uint32_t(seed))
+                    .drawn[0];
+    return frames / 20;
   };
-  EXPECT_LT(by_direct(30), 60);
-  EXPECT_GT(by_direct(27), 300);
+  EXPECT_LT(by_direct(30), 100);
+  EXPECT_LT(by_direct(28.4), 150);  // it may be chance
+  EXPECT_GT(by_direct(26), 500);
 }
 
 // One frame may be the work of another program.
@@ -358,6 +362,26 @@ TEST(AutoDecision, what_is_plainly_cheaper_is_tried_while_the_first_method_warms
   EXPECT_TRUE(draws_in_warm_up(20, 20));
   EXPECT_FALSE(draws_in_warm_up(42, 20));
   EXPECT_FALSE(draws_in_warm_up(20, 60));
+}
+
+// As in park-inside: the cache's first frames capture, and take more than twice what polygons do.
+// What it will take is known better.
+TEST(AutoDecision, first_captures_are_no_reason_to_leave_what_warms_up) {
+  const auto direct_draws = [](double prior) {
+    const AutoCandidate candidates[] = {{"direct", 0}, {"cache", 1, 12}};
+    AutoDecision decision(candidates, 1);
+    int frames = 0;
+    for (int frame = 0; frame < 12; ++frame) {
+      const AutoOutlook outlook[] = {{.ready = true, .guess_ms = 50},
+                                     {.ready = true, .prior_ms = prior}};
+      const AutoChoice choice = decision.next(outlook);
+      frames += choice.draws == 0;
+      decision.add(choice.draws == 1 ? 120 : 50);
+    }
+    return frames;
+  };
+  EXPECT_EQ(direct_draws(30), 0);
+  EXPECT_GT(direct_draws(0), 0);
 }
 
 TEST(AutoDecision, of_what_is_plainly_cheaper_the_likely_is_prepared_first) {
