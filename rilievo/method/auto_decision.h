@@ -21,9 +21,10 @@
 // took at its best, or of few frames than its model says, is tried again after its gap as if it
 // took that.
 //
-// A method is changed for one that is cheaper by kGain, or, unless what draws warms up for long, as
-// cheap and of a better quality. With a pace, of all that keep it the best in quality is taken. The
-// same input gives the same decisions. Milliseconds a frame; time in frames.
+// A method is changed for one that is cheaper by kGain, or as cheap and of a better quality. One
+// that warms up for long, which is dear to return to, is left for a gain of a tenth alone. With a
+// pace, of all that keep it the best in quality is taken. The same input gives the same decisions.
+// Milliseconds a frame; time in frames.
 #pragma once
 
 #include <cstdint>

@@ -139,7 +139,7 @@ inline constexpr double kSoonAside = 24, kLongAside = 64;
                                                        const Image<float>& inverse_z, double pixels,
                                                        KeyframeFrames& frames);
 
-// KeyframeFrames::sample_loss(), without the noise of its own truth.
+// KeyframeFrames::sample_loss() of so many looks, without the noise of its own truth.
 [[nodiscard]] std::optional<double> loss_of(KeyframeFrames& frames, int looks);
 
 // Draws a frame for the eye of the one that is shown, and looks ahead, too: the larger loss counts.
