@@ -133,8 +133,10 @@ void AutoFrames::look(const Camera& camera) {
     outlook_[kLevels].ready = outlook_[kLevels].preparable = false;
   if (keyframes_) {
     const bool recent = preparing_ != kKeyframes && frame_ - keyframes_seen_ <= kKeyframesLast;
-    // A first one, from before the first frame, draws before there are two.
-    keyframes.ready = recent && (first_alone_ || keyframes_->prepared());
+    // A first one, from before the first frame, draws before there are two; and what draws goes on
+    // where a coarse one took the place of one of the two.
+    const bool goes_on = first_alone_ || (decision_->draws() == kKeyframes && keyframes_->any());
+    keyframes.ready = recent && (goes_on || keyframes_->prepared());
     keyframes.preparable = !keyframes.ready && frame_ >= keyframes_again_;
     keyframes.prepare_ms = kOfFrames * kFirstKeyframes * kKeyframeMs;
   }
