@@ -275,6 +275,25 @@ TEST(AutoDecision, what_warms_up_for_long_is_left_for_a_gain_alone) {
   EXPECT_GT(by_direct(26), 500);
 }
 
+// As in scan-orbit, whose cache was tried in the 233rd frame: its first one captured, and took four
+// times as long.
+TEST(AutoDecision, what_captures_does_not_begin_for_no_likely_gain) {
+  const auto tried = [](double likely_ms) {
+    const AutoCandidate candidates[] = {{"cache", 1, 12}, {"keyframes", 3, 1}};
+    AutoDecision decision(candidates, 1);
+    for (int frame = 0; frame < 2000; ++frame) {
+      const AutoOutlook outlook[] = {{.ready = true, .guess_ms = likely_ms, .prior_ms = likely_ms},
+                                     {.ready = true, .guess_ms = 14}};
+      if (decision.next(outlook).draws == 0) return true;
+      decision.add(14);
+    }
+    return false;
+  };
+  EXPECT_TRUE(tried(11));
+  EXPECT_FALSE(tried(14));
+  EXPECT_FALSE(tried(17));
+}
+
 // One frame may be the work of another program.
 TEST(AutoDecision, a_dear_frame_ends_the_trial_of_what_was_expected_to_be_dearer_alone) {
   const auto frames_drawn = [](double guess, int dear_frames) {
