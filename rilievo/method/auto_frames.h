@@ -1,7 +1,7 @@
 // The frames of `auto` (method/auto.h). Internal: not a stable interface.
 //
-// auto_begin.cpp: before the first frame. auto_prepare.cpp: beside the frames. auto.cpp: the
-// frames.
+// auto_begin.cpp: before the first frame. auto_prepare.cpp: beside the frames. auto_loss.cpp: how
+// good they are. auto.cpp: the frames.
 #pragma once
 
 #include <algorithm>
