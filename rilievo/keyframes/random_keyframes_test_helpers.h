@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <glm/glm.hpp>
 
@@ -18,8 +19,10 @@ inline std::uint32_t random_quarter(Random& random) {
                       std::uint32_t(random.between(0, 4.99 - same)));
 }
 
-// A picture of random patches at random depths, some of them sky.
-inline Keyframe random_keyframe(Random& random, const Camera& camera, bool quarters) {
+// A picture of random patches at random depths, some of them sky. `steep`: of patches whose depths
+// differ by up to 2.9 % from texel to texel.
+inline Keyframe random_keyframe(Random& random, const Camera& camera, bool quarters,
+                                bool steep = false) {
   Keyframe key;
   resize(key, camera, quarters);
   std::fill(key.inverse_z.texels().begin(), key.inverse_z.texels().end(), 0.02f);
@@ -28,9 +31,13 @@ inline Keyframe random_keyframe(Random& random, const Camera& camera, bool quart
     const int wide = int(random.between(1, 30)), high = int(random.between(1, 30));
     const bool sky = random.between(0, 1) < 0.2;
     const double depth = random.between(2, 40), slope = random.between(-0.004, 0.004);
+    const double across = steep ? random.between(-0.029, 0.029) : 0,
+                 down = steep ? random.between(-0.029, 0.029) : 0;
     for (int y = y0; y < std::min(y0 + high, camera.height); ++y)
       for (int x = x0; x < std::min(x0 + wide, camera.width); ++x) {
-        key.inverse_z(x, y) = sky ? 0.0f : float(1 / depth + slope * (x - x0) / wide);
+        const double w = steep ? std::exp(across * (x - x0) + down * (y - y0)) / depth
+                               : 1 / depth + slope * (x - x0) / wide;
+        key.inverse_z(x, y) = sky ? 0.0f : float(w);
         key.object(x, y) = sky ? kNoObject : std::uint32_t(i + 1);
       }
   }

@@ -16,17 +16,40 @@ namespace {
 // Rows and columns that something can cover, in pixels. Not rounded.
 struct Reach {
   float x0 = INFINITY, x1 = -INFINITY, y0 = INFINITY, y1 = -INFINITY;
+  bool aside = false;  // some of it may be farther aside than kAside
 
   [[nodiscard]] bool meets(float low_y, float high_y, float width) const {
     return y1 >= low_y && y0 <= high_y && x1 >= 0 && x0 <= width;
   }
 };
 
+// Less than kAside: between corners a place may be a little farther aside.
+constexpr float kNearlyAside = 0.75f * kAside;
+
+// May a texel between those corners be farther than kAside from where it would be infinitely far
+// away? It is the farthest with the nearest depth.
+bool is_aside(const WarpSource& source, float from_x, float to_x, float from_y, float to_y,
+              float nearest) {
+  const RasterMap& map = source.to_frame;
+  for (int i = 0; i < 4; ++i) {
+    const float x = i & 1 ? to_x : from_x, y = i & 2 ? to_y : from_y;
+    const auto row = [&](const float(&r)[4]) { return r[0] * x + r[1] * y + r[2]; };
+    const float far_z = row(map.z), z = far_z + map.z[3] * nearest;
+    if (!(far_z > 1e-6f && z > 1e-6f)) return true;
+    const auto moved = [&](const float(&r)[4]) {
+      return std::abs((row(r) + r[3] * nearest) / z - row(r) / far_z);
+    };
+    if (moved(map.x) > kNearlyAside || moved(map.y) > kNearlyAside) return true;
+  }
+  return false;
+}
+
 // Where texels of columns [from_x, to_x] and rows [from_y, to_y] go with depths of a range: x' and
 // y' are ratios of affine functions, so that their extremes are at corners; and so is the largest
-// square, half of which is added, and rounding.
+// square, half of which is added, and rounding; or half of one that closes the widest crack, and
+// that crack.
 Reach reach_of(const WarpSource& source, float from_x, float to_x, float from_y, float to_y,
-               const InverseRange& range) {
+               const InverseRange& range, bool aside) {
   const RasterMap& map = source.to_frame;
   Reach out;
   float least_z = INFINITY;
@@ -35,7 +58,7 @@ Reach reach_of(const WarpSource& source, float from_x, float to_x, float from_y,
     const float w = i & 2 ? range.nearest : range.farthest;
     const auto row = [&](const float(&r)[4]) { return r[0] * x + r[1] * y + r[2] + r[3] * w; };
     const float z = row(map.z);
-    if (!(z > 1e-6f)) return {-INFINITY, INFINITY, -INFINITY, INFINITY};
+    if (!(z > 1e-6f)) return {-INFINITY, INFINITY, -INFINITY, INFINITY, aside};
     const float at_x = row(map.x) / z, at_y = row(map.y) / z;
     out.x0 = std::min(out.x0, at_x), out.x1 = std::max(out.x1, at_x);
     out.y0 = std::min(out.y0, at_y), out.y1 = std::max(out.y1, at_y);
@@ -43,8 +66,11 @@ Reach reach_of(const WarpSource& source, float from_x, float to_x, float from_y,
   }
   const float magnified =
       std::min(std::max(source.pixels_per_texel / least_z, 1.0f), largest_square(source));
-  const float slack = kHalfSquare * magnified + 1;
-  return {out.x0 - slack, out.x1 + slack, out.y0 - slack, out.y1 + slack};
+  // Squares of a crack are no wider than it.
+  const float half = kHalfSquare * magnified;
+  const float slack =
+      (aside ? std::max(half, std::min(half, kWidestCrack / 2) + kWidestCrack) : half) + 1;
+  return {out.x0 - slack, out.x1 + slack, out.y0 - slack, out.y1 + slack, aside};
 }
 
 // The reach of each block.
@@ -57,9 +83,14 @@ void find_reaches(const WarpSource& source, std::vector<Reach>& reaches) {
       const int from = bx * Keyframe::kColumns, top = by * Keyframe::kRows;
       const int to = std::min(from + Keyframe::kColumns, key.camera.width),
                 bottom = std::min(top + Keyframe::kRows, key.camera.height);
-      reaches.push_back(range.empty() ? Reach{}
-                                      : reach_of(source, float(from), float(to), float(top),
-                                                 float(bottom), range));
+      if (range.empty()) {
+        reaches.emplace_back();
+        continue;
+      }
+      const bool aside =
+          is_aside(source, float(from), float(to), float(top), float(bottom), range.nearest);
+      reaches.push_back(
+          reach_of(source, float(from), float(to), float(top), float(bottom), range, aside));
     }
 }
 
@@ -79,9 +110,9 @@ void splat_strip(const WarpSource& source, std::span<const Reach> reaches, float
         const InverseRange& of_row = key.segments(bx, y);
         if (of_row.empty()) continue;
         const float at = float(y) + 0.5f;
-        if (inside || reach_of(source, float(from), float(to), at, at, of_row)
+        if (inside || reach_of(source, float(from), float(to), at, at, of_row, reach.aside)
                           .meets(low, high, float(strip.width)))
-          splat_row(source, y, from, to, near, strip);
+          splat_row(source, y, from, to, near, reach.aside, strip);
       }
     }
 }

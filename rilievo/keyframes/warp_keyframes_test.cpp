@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "rilievo/core/random.h"
@@ -28,6 +29,7 @@ struct Slow {
   std::span<const WarpedKeyframe> keys;
   Camera frame;
   const WarpCover* cover;
+  bool closes_cracks = true;
   Image<float> depth;  // with a border of one pixel
 
   float& at(int x, int y) { return depth(x + 1, y + 1); }
@@ -41,6 +43,19 @@ struct Slow {
   void splat(const Keyframe& key) {
     const RasterMap map = raster_map(frame, key.camera);
     const float texel = scale(frame, key.camera);
+    struct Place {
+      float x, y, z, w;
+
+      [[nodiscard]] float farther(const Place& from) const {
+        return std::max(std::abs(x - from.x), std::abs(y - from.y));
+      }
+    };
+    const auto place = [&](int x, int y, float w) {
+      const float px = float(x) + 0.5f, py = float(y) + 0.5f, z = apply(map.z, px, py, w);
+      const float per_z = 1 / std::max(z, 1e-6f);
+      return Place{apply(map.x, px, py, w) * per_z - 0.5f, apply(map.y, px, py, w) * per_z - 0.5f,
+                   z, w * per_z};
+    };
     for (int y = 0; y < key.camera.height; ++y)
       for (int x = 0; x < key.camera.width; ++x) {
         const float w = key.inverse_z(x, y), px = float(x) + 0.5f, py = float(y) + 0.5f;
@@ -52,14 +67,46 @@ struct Slow {
                     qy = apply(map.y, px, py, w) * per_z - 0.5f;
         const float half = kHalfSquare * std::min(std::max(per_z * texel, 1.0f),
                                                   kLargestSquare * std::max(1.0f, texel));
-        // Rows above and below the frame count as neighbours, columns beside it do not.
-        const int top = std::max(-1, int(std::clamp(qy - half, -2.0f, 1e6f))),
-                  left = std::max(0, int(std::clamp(qx - half, -2.0f, 1e6f)));
-        for (int row = top; row <= std::min(float(frame.height), qy + half); ++row)
-          for (int column = left; column <= std::min(float(frame.width - 1), qx + half); ++column)
-            if (float(row) >= qy - half && float(row) <= qy + half && float(column) >= qx - half &&
-                float(column) <= qx + half)
-              at(column, row) = std::max(at(column, row), there);
+        const auto draw = [&](float x0, float x1, float y0, float y1, auto depth_at) {
+          // Rows above and below the frame count as neighbours, columns beside it do not.
+          const int top = std::max(-1, int(std::clamp(y0, -2.0f, 1e6f))),
+                    left = std::max(0, int(std::clamp(x0, -2.0f, 1e6f)));
+          for (int row = top; row <= std::min(float(frame.height), y1); ++row)
+            for (int column = left; column <= std::min(float(frame.width - 1), x1); ++column)
+              if (float(row) >= y0 && float(row) <= y1 && float(column) >= x0 &&
+                  float(column) <= x1)
+                at(column, row) = std::max(at(column, row), depth_at(column, row));
+        };
+        draw(qx - half, qx + half, qy - half, qy + half, [&](int, int) { return there; });
+        const Place here = place(x, y, w);
+        if (!closes_cracks || here.farther(place(x, y, 0)) <= kAside) continue;
+        for (const auto& [nx, ny] : {std::pair{x + 1, y}, std::pair{x, y + 1}}) {
+          if (nx >= key.camera.width || ny >= key.camera.height) continue;
+          const float depth_there = key.inverse_z(nx, ny);
+          const Place next = place(nx, ny, depth_there);
+          const float apart = next.farther(here);
+          const float deeper = std::abs(depth_there - w);
+          if (!(depth_there > 0) || deeper <= kSlanted * w || deeper > kSameSurfaceDepth * w ||
+              !(next.z > 1e-6f) || next.w > float(1 / frame.z_near) || apart <= 2 * half ||
+              apart > kWidestCrack)
+            continue;
+          const bool across = std::abs(next.x - here.x) >= std::abs(next.y - here.y);
+          for (int row = -1; row <= frame.height; ++row)
+            for (int column = 0; column < frame.width; ++column) {
+              const float along = float(across ? column : row),
+                          aside = float(across ? row : column);
+              const float begin = across ? here.x : here.y,
+                          step = across ? next.x - here.x : next.y - here.y,
+                          beside = across ? here.y : here.x,
+                          step_beside = across ? next.y - here.y : next.x - here.x;
+              if (along < std::min(begin, begin + step) || along > std::max(begin, begin + step))
+                continue;
+              const float way = std::clamp((along - begin) / step, 0.0f, 1.0f);
+              const float middle = beside + way * step_beside;
+              if (aside < middle - half || aside > middle + half) continue;
+              at(column, row) = std::max(at(column, row), here.w + way * (next.w - here.w));
+            }
+        }
       }
   }
 
@@ -177,17 +224,21 @@ struct Slow {
 
 TEST(WarpKeyframes, AreTheSameBytesAsByTheSlowDefinition) {
   Random random(41);
-  for (int i = 0; i < 36; ++i) {
-    // Of the last ones the texels of neighbouring pixels lie beside each other.
-    const double apart = i < 24 ? 1 : 0.03;
-    const Camera frame = random_eye(random, 70 + 7 * (i % 5), 45 + 11 * (i % 4), apart);
+  std::size_t closed = 0;
+  for (int i = 0; i < 48; ++i) {
+    // Of these the texels of neighbouring pixels lie beside each other; of the last ones slanted
+    // surfaces have cracks.
+    const bool steep = i >= 36;
+    const double apart = steep ? 5 : i < 24 ? 1 : 0.03;
+    const Camera frame = random_eye(random, (steep ? 170 : 70) + 7 * (i % 5),
+                                    (steep ? 125 : 45) + 11 * (i % 4), apart);
     std::vector<Keyframe> keys;
     for (int k = 0; k < 1 + i % 7; ++k)
       keys.push_back(
           random_keyframe(random,
                           keyframe_camera(random_eye(random, frame.width, frame.height, apart), 1.2,
                                           k == 2 ? 0.5 : 1),
-                          (i + k) % 3 > 0));
+                          (i + k) % 3 > 0, steep));
     std::vector<WarpedKeyframe> warped;
     for (const Keyframe& key : keys)
       warped.push_back({&key, float(random.between(0.1, 2)), warped.size() % 2 == 1 && i % 2 == 1});
@@ -202,7 +253,7 @@ TEST(WarpKeyframes, AreTheSameBytesAsByTheSlowDefinition) {
     const WarpCover* covers = i % 4 == 3 ? &some : nullptr;
     WarpedFrame out;
     warp_keyframes(warped, frame, out, covers);
-    Slow slow{warped, frame, covers, {}};
+    Slow slow{warped, frame, covers, true, {}};
     Image<std::uint32_t> color;
     Image<float> inverse_z;
     slow.draw(color, inverse_z);
@@ -211,12 +262,20 @@ TEST(WarpKeyframes, AreTheSameBytesAsByTheSlowDefinition) {
     std::size_t holes = 0;
     for (const std::uint32_t one : color.texels()) holes += one == 0;
     EXPECT_EQ(out.holes(), holes);
+    if (steep) {
+      Slow open{warped, frame, covers, false, {}};
+      open.draw(color, inverse_z);
+      for (std::size_t pixel = 0; pixel < color.texels().size(); ++pixel)
+        closed += color.texels()[pixel] != out.color.texels()[pixel];
+      continue;
+    }
     // Many may show all, and so may near ones.
     if (keys.size() <= 3 && apart == 1) {
       EXPECT_GT(holes, 0u);
     }
     EXPECT_LT(holes, color.texels().size() / 2);
   }
+  EXPECT_GT(closed, 1000u);
 }
 
 TEST(WarpKeyframes, PlainSkyIsLeftToWhoeverDrawsItAndAllElseIsTheSame) {
@@ -355,6 +414,48 @@ TEST(WarpKeyframes, AnEyeThatCameTooNearSeesHolesAndNotWhatIsBehind) {
           ASSERT_TRUE(color == 0 || color == kOpaque) << times << " " << x;
       }
   }
+}
+
+// The side of a block, seen along it by the keyframe, and from the front by the frame, where its
+// texels are several pixels apart: nothing of the ground behind it, which another keyframe shows.
+TEST(WarpKeyframes, AnEyeAsideOfASlantedSurfaceSeesNothingBetweenItsTexels) {
+  const Camera at = look_at(glm::dvec3(0), {0, 0, -1}, {0, 1, 0}, 1, 320, 240, 0.01, 100);
+  Keyframe key, behind;
+  resize(key, at, false);
+  std::ranges::fill(key.inverse_z.texels(), 1 / 40.0f);
+  std::ranges::fill(key.color.texels(), kWholeTexel | 0x0000ffu);
+  find_ranges(key, 0, at.width);
+  behind = key;
+  // Depths from 2 m on, by 2.5 % a texel.
+  for (int y = 80; y < 160; ++y)
+    for (int x = 150; x < 190; ++x) {
+      key.inverse_z(x, y) = 0.5f * std::pow(0.975f, float(x - 150));
+      key.color(x, y) = kWholeTexel | 0x00ff00u;
+    }
+  find_ranges(key, 0, at.width);
+  // Away from its ends, where pixels are holes.
+  const auto on_side = [&](int x) {
+    return world_from_raster(at, {x + 0.5, 120.5}, 2 / std::pow(0.975, x - 150.0));
+  };
+  const glm::dvec3 near_end = on_side(152), far_end = on_side(186);
+  const glm::dvec3 middle = 0.5 * (near_end + far_end);
+  int seen = 0;
+  for (const double angle : {0.3, 0.5, 0.7, 0.9}) {
+    // Around the middle, to where it is seen from the front.
+    const glm::dvec3 eye = middle + 4.0 * glm::dvec3(-std::sin(angle), 0, std::cos(angle));
+    const Camera frame = look_at(eye, middle, {0, 1, 0}, 1, 320, 240, 0.01, 100);
+    const double left = raster_from_world(frame, near_end).x,
+                 right = raster_from_world(frame, far_end).x;
+    const WarpedKeyframe both[] = {{&key, 1}, {&behind, 1}};
+    WarpedFrame out;
+    warp_keyframes(both, frame, out);
+    for (int y = 110; y < 130; ++y)
+      for (int x = int(std::min(left, right)) + 1; x < int(std::max(left, right)); ++x) {
+        ASSERT_EQ(out.color(x, y), kOpaque | 0x00ff00u) << angle << " " << x << " " << y;
+        ++seen;
+      }
+  }
+  EXPECT_GT(seen, 4000);
 }
 
 TEST(WarpKeyframes, AtItsOwnEyeAKeyframeIsItself) {

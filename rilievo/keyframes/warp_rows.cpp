@@ -4,6 +4,7 @@
 #include "rilievo/keyframes/warp_rows.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 
 // This file is compiled once for each instruction set.
@@ -48,7 +49,126 @@ HWY_INLINE VF clamped(VF v, float low, float high) {
   return hn::Min(hn::Max(v, number(low)), number(high));
 }
 
-void splat(const WarpSource& source, int y, int from, int to, float near, const DepthStrip& out) {
+// A vector of a row of which `left` numbers are left; 0 beyond.
+HWY_INLINE VF load_row(const float* row, int x, int left) {
+  if (left >= int(hn::Lanes(F()))) return hn::LoadU(F(), row + x);
+  alignas(64) float tail[kMaxLanes] = {};
+  std::copy_n(row + x, std::max(left, 0), tail);
+  return hn::Load(F(), tail);
+}
+
+// Places of texels in the frame, in pixels from the first pixel's centre.
+struct Places {
+  VF x, y, z, inverse_z;
+};
+
+HWY_INLINE Places places_of(const WarpSource& source, float row, VF column, VF w) {
+  const VF z = Along(source.to_frame.z, row).at(column, w);
+  const VF per_z = hn::Div(number(1), hn::Max(z, number(1e-6f)));
+  const auto at = [&](const float(&map)[4]) {
+    return hn::Sub(hn::Mul(Along(map, row).at(column, w), per_z), number(0.5f));
+  };
+  return {at(source.to_frame.x), at(source.to_frame.y), z, hn::Mul(w, per_z)};
+}
+
+HWY_INLINE VF farther_axis(const Places& a, const Places& b) {
+  return hn::Max(hn::Abs(hn::Sub(a.x, b.x)), hn::Abs(hn::Sub(a.y, b.y)));
+}
+
+// A texel in the frame.
+struct Place {
+  float x, y, inverse_z;
+};
+
+// Along the line from one to the other, `half` to each side of it along the axis on which it goes
+// less far.
+void draw_bridge(const Place& from, const Place& to, float half, const DepthStrip& out) {
+  const float step_x = to.x - from.x, step_y = to.y - from.y;
+  const bool across = std::abs(step_x) >= std::abs(step_y);
+  const int top = out.first - 1, bottom = out.first + out.rows, right = out.width - 1;
+  const float begin = across ? from.x : from.y, step = across ? step_x : step_y,
+              beside = across ? from.y : from.x, step_beside = across ? step_y : step_x,
+              deeper = to.inverse_z - from.inverse_z;
+  // Whole numbers from `low` to `high`, of which there are few, within the frame's or the strip's.
+  const auto first_of = [](float low, int least, int most) {
+    return int(std::clamp(std::ceil(low), float(least), float(most + 1)));
+  };
+  const auto last_of = [](float high, int least, int most) {
+    return int(std::clamp(std::floor(high), float(least - 1), float(most)));
+  };
+  const int least = across ? 0 : top, most = across ? right : bottom,
+            least_beside = across ? top : 0, most_beside = across ? bottom : right;
+  const int last = last_of(std::max(begin, begin + step), least, most);
+  for (int i = first_of(std::min(begin, begin + step), least, most); i <= last; ++i) {
+    const float way = std::clamp((float(i) - begin) / step, 0.0f, 1.0f);
+    const float inverse_z = from.inverse_z + way * deeper, middle = beside + way * step_beside;
+    const int last_beside = last_of(middle + half, least_beside, most_beside);
+    for (int k = first_of(middle - half, least_beside, most_beside); k <= last_beside; ++k) {
+      float& pixel = across ? out.row(k)[i] : out.row(i)[k];
+      pixel = std::max(pixel, inverse_z);
+    }
+  }
+}
+
+// Draws what closes the cracks between texels `from` and `to` of one surface.
+void draw_bridges(const Places& from, const Places& to, Mask wanted, VF half, float near,
+                  const DepthStrip& out) {
+  const F f;
+  const VF step = farther_axis(from, to);
+  const Mask seen = hn::And(hn::Gt(to.z, number(1e-6f)), hn::Le(to.inverse_z, number(near)));
+  const Mask crack = hn::And(hn::Gt(step, hn::Add(half, half)), hn::Le(step, number(kWidestCrack)));
+  const Mask open = hn::And(wanted, hn::And(seen, crack));
+  if (hn::AllFalse(f, open)) return;
+  alignas(64) float opens[kMaxLanes], halves[kMaxLanes], ends[2][3][kMaxLanes];
+  hn::Store(hn::IfThenElseZero(open, number(1)), f, opens);
+  hn::Store(half, f, halves);
+  for (const int end : {0, 1}) {
+    const Places& at = end == 0 ? from : to;
+    hn::Store(at.x, f, ends[end][0]);
+    hn::Store(at.y, f, ends[end][1]);
+    hn::Store(at.inverse_z, f, ends[end][2]);
+  }
+  const auto place = [&](int end, std::size_t i) {
+    return Place{ends[end][0][i], ends[end][1][i], ends[end][2][i]};
+  };
+  for (std::size_t i = 0; i < hn::Lanes(f); ++i)
+    if (opens[i] > 0) draw_bridge(place(0, i), place(1, i), halves[i], out);
+}
+
+// Closes the cracks between texels of row `y`, from column `x` on, and their neighbours to the
+// right and below (kAside).
+HWY_NOINLINE void close_cracks(const WarpSource& source, int x, int y, VF px, VF w, Mask shown,
+                               VF half, float near, const DepthStrip& out) {
+  const F f;
+  const Keyframe& key = *source.keyframe;
+  const int left = key.camera.width - x;
+  const float py = float(y) + 0.5f;
+  const VF right = load_row(key.inverse_z.row(y).data(), x + 1, left - 1),
+           below = y + 1 < key.camera.height ? load_row(key.inverse_z.row(y + 1).data(), x, left)
+                                             : hn::Zero(f);
+  // Most are not: that is seen before anything is warped.
+  const auto is_slanted = [&](VF depth) {
+    const VF step = hn::Abs(hn::Sub(depth, w));
+    return hn::And(hn::And(shown, hn::Gt(depth, hn::Zero(f))),
+                   hn::And(hn::Gt(step, hn::Mul(number(kSlanted), w)),
+                           hn::Le(step, hn::Mul(number(kSameSurfaceDepth), w))));
+  };
+  const Mask slants_right = is_slanted(right), slants_below = is_slanted(below);
+  if (hn::AllFalse(f, hn::Or(slants_right, slants_below))) return;
+  const Places here = places_of(source, py, px, w);
+  const Places at_infinity = places_of(source, py, px, hn::Zero(f));
+  const Mask aside = hn::Gt(farther_axis(here, at_infinity), number(kAside));
+  const auto close = [&](Mask slants, float row, VF column, VF depth) {
+    const Mask wanted = hn::And(aside, slants);
+    if (!hn::AllFalse(f, wanted))
+      draw_bridges(here, places_of(source, row, column, depth), wanted, half, near, out);
+  };
+  close(slants_right, py, hn::Add(px, number(1)), right);
+  close(slants_below, py + 1, px, below);
+}
+
+void splat(const WarpSource& source, int y, int from, int to, float near, bool aside,
+           const DepthStrip& out) {
   const F f;
   const I i32;
   const int lanes = int(hn::Lanes(f));
@@ -81,6 +201,7 @@ void splat(const WarpSource& source, int y, int from, int to, float near, const 
     const VF magnified =
         hn::Min(hn::Max(hn::Mul(per_z, number(source.pixels_per_texel)), number(1)), most);
     const VF half = hn::Mul(number(kHalfSquare), magnified);
+    if (aside) close_cracks(source, x, y, px, w, shown, half, near, out);
     const auto whole = [&](VF v, float low, float high) {
       return hn::ConvertTo(i32, clamped(v, low, high));
     };
@@ -127,14 +248,6 @@ void splat(const WarpSource& source, int y, int from, int to, float near, const 
 }
 
 #include "rilievo/keyframes/warp_lookup.inl"
-
-// A vector of a row of which `left` numbers are left; 0 beyond.
-HWY_INLINE VF load_row(const float* row, int x, int left) {
-  if (left >= int(hn::Lanes(F()))) return hn::LoadU(F(), row + x);
-  alignas(64) float tail[kMaxLanes] = {};
-  std::copy_n(row + x, left, tail);
-  return hn::Load(F(), tail);
-}
 
 // Adds `part` of what was found, as colours.
 HWY_INLINE void add_part(const Found& found, VF part, Found& sum) {
@@ -266,9 +379,9 @@ namespace rilievo {
 HWY_EXPORT(splat);
 HWY_EXPORT(shade);
 
-void splat_row(const WarpSource& source, int y, int from, int to, float near,
+void splat_row(const WarpSource& source, int y, int from, int to, float near, bool aside,
                const DepthStrip& out) {
-  HWY_DYNAMIC_DISPATCH(splat)(source, y, from, to, near, out);
+  HWY_DYNAMIC_DISPATCH(splat)(source, y, from, to, near, aside, out);
 }
 
 std::uint32_t shade_row(const WarpSource* sources, int count, const DepthStrip& strip, int y,

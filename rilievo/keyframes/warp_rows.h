@@ -24,7 +24,8 @@ struct DepthStrip {
 };
 
 // Draws the squares of texels [from, to) of a row into the strip. Nothing nearer than 1 / near.
-void splat_row(const WarpSource& source, int y, int from, int to, float near,
+// `aside`: some of them may be farther aside than kAside.
+void splat_row(const WarpSource& source, int y, int from, int to, float near, bool aside,
                const DepthStrip& out);
 
 // The rows of the strip: depths and colours of row y. `cover`: 1 / eye_z of what will be drawn over

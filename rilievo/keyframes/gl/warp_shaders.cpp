@@ -33,28 +33,67 @@ layout(std430, binding = DEPTH_BLOCK) restrict buffer Depths { uint depths[]; };
 layout(location = 0) uniform int k;
 layout(location = 1) uniform ivec2 size;
 layout(location = 2) uniform float near;  // 1 / z_near
+void raise(int x, int y, float w) {
+  int at = (y + 1) * size.x + x;
+  uint bits = floatBitsToUint(w);
+  if (depths[at] < bits) atomicMax(depths[at], bits);
+}
+// In pixels from the first one's centre; z and 1 / eye_z in the frame.
+vec4 place(vec2 p, float w) {
+  float z = along(sources[k].to_z, p, w);
+  float per_z = 1.0 / max(z, 1e-6);
+  vec2 q = vec2(along(sources[k].to_x, p, w), along(sources[k].to_y, p, w)) * per_z - 0.5;
+  return vec4(q, z, w * per_z);
+}
+float farther(vec4 a, vec4 b) { return max(abs(a.x - b.x), abs(a.y - b.y)); }
+// The crack to a neighbour of the same surface.
+void close_crack(ivec2 neighbour, float w, vec4 from, float half_side) {
+  if (neighbour.x >= sources[k].width || neighbour.y >= sources[k].height) return;
+  float depth = depth_of(k, neighbour);
+  float deeper = abs(depth - w);
+  if (!(depth > 0.0) || !(deeper > SLANTED * w) || !(deeper <= SAME_SURFACE * w)) return;
+  vec4 to = place(vec2(neighbour) + 0.5, depth);
+  float apart = farther(from, to);
+  if (!(to.z > 1e-6) || !(to.w <= near)) return;
+  if (!(apart > half_side + half_side) || !(apart <= WIDEST_CRACK)) return;
+  vec2 step = to.xy - from.xy;
+  bool across = abs(step.x) >= abs(step.y);
+  // Along the axis on which it goes farther, and beside it.
+  vec2 begin = across ? from.xy : from.yx, by = across ? step : step.yx;
+  ivec2 least = across ? ivec2(0, -1) : ivec2(-1, 0),
+        most = across ? ivec2(size.x - 1, size.y) : ivec2(size.y, size.x - 1);
+  int first = int(clamp(ceil(min(begin.x, begin.x + by.x)), float(least.x), float(most.x + 1))),
+      last = int(clamp(floor(max(begin.x, begin.x + by.x)), float(least.x - 1), float(most.x)));
+  for (int i = first; i <= last; ++i) {
+    float way = clamp((float(i) - begin.x) / by.x, 0.0, 1.0);
+    float middle = begin.y + way * by.y, w_there = from.w + way * (to.w - from.w);
+    int low = int(clamp(ceil(middle - half_side), float(least.y), float(most.y + 1))),
+        high = int(clamp(floor(middle + half_side), float(least.y - 1), float(most.y)));
+    for (int j = low; j <= high; ++j) {
+      if (across) raise(i, j, w_there); else raise(j, i, w_there);
+    }
+  }
+}
 void main() {
   ivec2 texel = ivec2(gl_GlobalInvocationID.xy);
   if (texel.x >= sources[k].width) return;
   float w = depth_of(k, texel);
   if (!(w > 0.0)) return;
   vec2 p = vec2(texel) + 0.5;
-  float z = along(sources[k].to_z, p, w);
-  float per_z = 1.0 / max(z, 1e-6);
-  float there = w * per_z;
-  if (!(z > 1e-6) || !(there <= near)) return;
-  vec2 q = vec2(along(sources[k].to_x, p, w), along(sources[k].to_y, p, w)) * per_z - 0.5;
-  float magnified = min(max(per_z * sources[k].pixels_per_texel, 1.0), sources[k].largest_square);
-  vec2 reach = vec2(HALF_SQUARE * magnified);
+  vec4 q = place(p, w);
+  if (!(q.z > 1e-6) || !(q.w <= near)) return;
+  float magnified =
+      min(max(1.0 / q.z * sources[k].pixels_per_texel, 1.0), sources[k].largest_square);
+  float half_side = HALF_SQUARE * magnified;
+  if (farther(q, place(p, 0.0)) > ASIDE) {
+    close_crack(texel + ivec2(1, 0), w, q, half_side);
+    close_crack(texel + ivec2(0, 1), w, q, half_side);
+  }
   // Far outside, whole numbers do not suffice.
-  ivec2 first = ivec2(clamp(ceil(q - reach), vec2(0.0, -1.0), vec2(size) + 1.0)),
-        last = ivec2(clamp(floor(q + reach), vec2(-2.0), vec2(size.x - 1, size.y)));
-  uint bits = floatBitsToUint(there);
+  ivec2 first = ivec2(clamp(ceil(q.xy - half_side), vec2(0.0, -1.0), vec2(size) + 1.0)),
+        last = ivec2(clamp(floor(q.xy + half_side), vec2(-2.0), vec2(size.x - 1, size.y)));
   for (int y = first.y; y <= last.y; ++y)
-    for (int x = first.x; x <= last.x; ++x) {
-      int at = (y + 1) * size.x + x;
-      if (depths[at] < bits) atomicMax(depths[at], bits);
-    }
+    for (int x = first.x; x <= last.x; ++x) raise(x, y, q.w);
 }
 )";
 
@@ -325,14 +364,16 @@ std::string constants() {
          whole("COLOR_UNIT", kColorUnit) + whole("DEPTH_UNIT", kDepthUnit) +
          whole("COVER_UNIT", kCoverUnit) + whole("SOURCE_BLOCK", kSourceBlock) +
          whole("PIXEL_BLOCK", kPixelBlock) + whole("SPLAT_GROUP", kSplatGroup) +
-         number("HALF_SQUARE", kHalfSquare) + number("SAME_SURFACE", kSameSurfaceDepth) +
-         number("MOST_MAGNIFIED", kMostMagnified) + number("MOST_MIXED", kMostMixed) +
-         whole("TEXEL_WEIGHTS", kTexelWeights) + whole("ALL_SHOWN", kAllShown) +
-         whole("LEAST_SHOWN", kLeastShown) + bits("OWN", std::uint32_t(Quarter::own)) +
-         bits("NEARER", std::uint32_t(Quarter::nearer)) + bits("OWN_PARTS", kOwnParts) +
-         whole("QUARTER_PARTS", kQuarterParts) + whole("OTHER_QUARTER_SHIFT", kOtherQuarterShift) +
-         bits("COVERED", kCoveredPixel) + bits("PLAIN_SKY", kPlainSky) +
-         whole("SKY_COLUMNS", kPlainSkyColumns) + whole("STRIP", WarpedFrame::kStrip);
+         number("HALF_SQUARE", kHalfSquare) + number("ASIDE", kAside) +
+         number("SLANTED", kSlanted) + number("WIDEST_CRACK", kWidestCrack) +
+         number("SAME_SURFACE", kSameSurfaceDepth) + number("MOST_MAGNIFIED", kMostMagnified) +
+         number("MOST_MIXED", kMostMixed) + whole("TEXEL_WEIGHTS", kTexelWeights) +
+         whole("ALL_SHOWN", kAllShown) + whole("LEAST_SHOWN", kLeastShown) +
+         bits("OWN", std::uint32_t(Quarter::own)) + bits("NEARER", std::uint32_t(Quarter::nearer)) +
+         bits("OWN_PARTS", kOwnParts) + whole("QUARTER_PARTS", kQuarterParts) +
+         whole("OTHER_QUARTER_SHIFT", kOtherQuarterShift) + bits("COVERED", kCoveredPixel) +
+         bits("PLAIN_SKY", kPlainSky) + whole("SKY_COLUMNS", kPlainSkyColumns) +
+         whole("STRIP", WarpedFrame::kStrip);
 }
 
 }  // namespace
