@@ -130,11 +130,10 @@ int AutoDecision::worth_trying(std::span<const AutoOutlook> outlook, bool ready)
     if (!better(hope, i, now, draws_)) continue;
     // A model knows what has changed since; without one the method may have become cheaper.
     if (one.guess_ms > 0 && likely > kMaySpike * free_ms()) continue;
-    // But what captures when it returns, or begins, is a frame of several times the time: something
-    // in view must have changed for that.
-    const bool as_before =
-        cost.mean_ms == 0 || (cost.prior_ms > 0 && one.prior_ms > kAsMuch * cost.prior_ms);
-    if (candidate.warm_up >= kWarmsUpLong && as_before && likely > kWorthReturning * free_ms())
+    // But what captures when it returns is a frame of several times the time: something in view
+    // must have changed for that.
+    if (candidate.warm_up >= kWarmsUpLong && one.prior_ms > kAsMuch * cost.prior_ms &&
+        cost.prior_ms > 0 && likely > kWorthReturning * free_ms())
       continue;
     if (!trials_.affords({candidate.warm_up, likely, cost.mean_ms > 0}, free_ms(), now)) continue;
     const double gains = now - (hope + likely) / 2, pays = kPaysWithin * candidate.chance * gains;

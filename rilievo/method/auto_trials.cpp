@@ -19,6 +19,9 @@ constexpr double kHopeless = 1.25;
 constexpr double kHopelessWarmingUp = 1.6;
 // So much more than later on its frames take while it warms up again.
 constexpr double kWarmUpMore = 0.3;
+// What captures, was never measured, and gains nothing by a model that may be off by half counts so
+// many times: 10 to 30 s of frames afford it.
+constexpr double kUnlikely = 4;
 // And one whose frames together take so many frames' time more.
 constexpr double kMostMore = 5;
 // A frame of a trial is counted as at most so many frames: more is the work of another program.
@@ -44,9 +47,12 @@ AutoTrials::AutoTrials(int most_warm_up) { ms_.reserve(std::size_t(most_warm_up 
 
 bool AutoTrials::affords(const TrialOutlook& outlook, double free_ms, double now_ms) const {
   double expense = std::max(0.0, outlook.likely_ms - free_ms) * (outlook.warm_up + kFrames);
-  // To return to what warms up for long is an expense, and to begin with it for no likely gain.
-  if ((outlook.measured || outlook.likely_ms > free_ms) && outlook.warm_up >= kWarmsUpLong)
+  // To return to what warms up for long is an expense, and to begin with it for no likely gain:
+  // that is worth it once, in minutes of frames.
+  const bool unlikely = outlook.likely_ms > free_ms;
+  if ((outlook.measured || unlikely) && outlook.warm_up >= kWarmsUpLong)
     expense += kWarmUpMore * outlook.likely_ms * outlook.warm_up;
+  if (!outlook.measured && unlikely && outlook.warm_up >= kWarmsUpLong) expense *= kUnlikely;
   // The time of two frames is free.
   return expense <= 0 || trials_ms_ + expense <= 2 * now_ms + kShare * all_ms_;
 }

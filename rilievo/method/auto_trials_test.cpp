@@ -141,8 +141,10 @@ TEST(AutoTrials, to_begin_with_what_warms_up_for_long_for_no_likely_gain_is_an_e
   EXPECT_FALSE(trials.affords(outlook, kNow, kNow));
   // With a pace that it keeps it loses nothing.
   EXPECT_TRUE(trials.affords(outlook, 1.1 * kNow, kNow));
-  // After some hundred frames it is a small share of all.
+  // After a thousand frames it is a small share of all.
   for (int i = 0; i < 250; ++i) trials.add_other(kNow);
+  EXPECT_FALSE(trials.affords(outlook, kNow, kNow));
+  for (int i = 0; i < 750; ++i) trials.add_other(kNow);
   EXPECT_TRUE(trials.affords(outlook, kNow, kNow));
 }
 
