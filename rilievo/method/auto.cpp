@@ -111,8 +111,8 @@ void AutoFrames::look(const Camera& camera) {
   if (keyframes_) {
     const bool recent = preparing_ != kKeyframes && frame_ - keyframes_seen_ <= kKeyframesLast;
     // A first one, from before the first frame, draws before there are two; and what draws goes on
-    // where a coarse one took the place of one of the two.
-    const bool goes_on = first_alone_ || (decision_->draws() == kKeyframes && keyframes_->any());
+    // from a coarse one.
+    const bool goes_on = first_alone_ || (draws_keyframes() && keyframes_->any());
     keyframes.ready = recent && (goes_on || keyframes_->prepared());
     keyframes.preparable = !keyframes.ready && frame_ >= keyframes_again_;
     keyframes.prepare_ms = kOfFrames * kFirstKeyframes * kKeyframeMs;
@@ -203,13 +203,11 @@ Result<> AutoFrames::draw(const Camera& camera, double time) {
   eye_.follow(camera);
   still_frames_ = frame_ > 0 && same_view(camera, shown_camera_) ? still_frames_ + 1 : 0;
   // What was seen of them was elsewhere.
-  if (eye_.jumped() && drawn_by_ == kKeyframes)
-    loss_[kKeyframes].db.reset(), keyframes_->forget_loss();
+  if (eye_.jumped() && draws_keyframes()) forget_loss_of_keyframes();
   if (eye_.jumped() && preparing_ < 0 && made_.keyframes)
     made_.jumped = true, made_.jumped_in = frame_;
   // Nor are they kept for here.
-  if (eye_.jumped() && decision_->draws() != kKeyframes)
-    keyframes_seen_ = frame_ - kKeyframesLast - 1;
+  if (eye_.jumped()) keyframes_seen_ = frame_ - kKeyframesLast - 1;
   // What the cache lost was measured elsewhere, and polygons were counted there.
   if (eye_.jumped()) cheap_ = direct_counted_ = false, cache_loss_.reset();
   look(camera);
@@ -245,6 +243,8 @@ Result<> AutoFrames::draw(const Camera& camera, double time) {
   if (choice.draws == kKeyframes) {
     begins_with_keyframes_ = false;
     const KeyframeShares& shares = keyframes_->shares();
+    // What finer ones lost says nothing of a coarse one.
+    if (shares.coarse > 0) forget_loss_of_keyframes();
     if (first_alone_) ms = allow_second_keyframe(ms);
     ms = ms_when_settled(ms, shares.fill_ms, young_keyframes_ > 0);
     young_keyframes_ = shares.completed > 0 ? 0 : std::max(young_keyframes_ - 1, 0);
@@ -307,7 +307,7 @@ void AutoFrames::follow_first_keyframe() {
   const bool completed = shares.completed > 0;
   if (second_made_ || shares.coarse) end_first_keyframe();
   second_made_ = first_alone_ && completed;
-  if (completed || shares.coarse) loss_[kKeyframes].db.reset(), keyframes_->forget_loss();
+  if (completed) forget_loss_of_keyframes();
 }
 
 void AutoFrames::end_first_keyframe() {

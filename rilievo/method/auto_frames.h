@@ -117,6 +117,10 @@ class AutoFrames final : public FrameSource {
   [[nodiscard]] bool good_enough(int method);
   [[nodiscard]] bool keyframes_good_enough(double loss_db) const;
   [[nodiscard]] bool keyframes_known() const;
+  // They draw, but for a trial of another, or are tried.
+  [[nodiscard]] bool draws_keyframes() const {
+    return keyframes_ && (drawn_by_ == kKeyframes || decision_->draws() == kKeyframes);
+  }
   [[nodiscard]] bool looks_exact(int method) const;
   void learn_direct(double ms, bool trial);
   void learn_slowness(MachineSlowness::Source source, double times, bool at_most);
@@ -124,6 +128,7 @@ class AutoFrames final : public FrameSource {
   Result<> measure_loss_of_levels(const Camera& camera, double time);
   void forget_levels();
   void forget_loss_of_levels();
+  void forget_loss_of_keyframes();
   [[nodiscard]] bool keep_keyframes(const Camera& camera, double time, const AutoChoice& choice);
   [[nodiscard]] Result<std::optional<double>> look_at_levels(const Camera& camera, double time,
                                                              bool again);

@@ -123,6 +123,11 @@ void AutoFrames::forget_levels() {
   refined_ = drawn_by_ == kLevels;
 }
 
+void AutoFrames::forget_loss_of_keyframes() {
+  loss_[kKeyframes].db.reset();
+  keyframes_->forget_loss();
+}
+
 void AutoFrames::forget_loss_of_levels() {
   loss_[kLevels].db.reset();
   if (looks_) looks_->forget();

@@ -245,8 +245,8 @@ TEST_F(AutoTest, where_direct_drawing_takes_long_keyframes_begin_if_they_are_goo
     if (certain || hopeless) {
       EXPECT_EQ(by_keyframes > 0, certain) << allowed_db;
     }
-    // An eye that turns away, but does not jump, sees what none of them shows: a coarse one takes
-    // the place of one of the two, and they go on, though others are tried.
+    // An eye that turns away, but does not jump, sees what none of them shows: they go on from a
+    // coarse one, though others are tried.
     for (int i = 1; certain && i <= 24; ++i) {
       (void)draw(0.4 * std::min(i, 3));
       EXPECT_EQ(sentence().find("not good enough"), std::string::npos) << sentence() << i;
