@@ -16,20 +16,20 @@ namespace {
 // Rows and columns that something can cover, in pixels. Not rounded.
 struct Reach {
   float x0 = INFINITY, x1 = -INFINITY, y0 = INFINITY, y1 = -INFINITY;
-  bool aside = false;  // some of it may be farther aside than kAside
+  bool may_crack = false;  // some of it may have a parallax of more than kCrackParallax
 
   [[nodiscard]] bool meets(float low_y, float high_y, float width) const {
     return y1 >= low_y && y0 <= high_y && x1 >= 0 && x0 <= width;
   }
 };
 
-// Less than kAside: between corners a place may be a little farther aside.
-constexpr float kNearlyAside = 0.75f * kAside;
+// Less than kCrackParallax: between corners there may be a little more.
+constexpr float kNearlyCrackParallax = 0.75f * kCrackParallax;
 
-// May a texel between those corners be farther than kAside from where it would be infinitely far
-// away? It is the farthest with the nearest depth.
-bool is_aside(const WarpSource& source, float from_x, float to_x, float from_y, float to_y,
-              float nearest) {
+// May a texel between those corners have a parallax of more than kCrackParallax? It is the largest
+// with the nearest depth.
+bool may_crack_between(const WarpSource& source, float from_x, float to_x, float from_y, float to_y,
+                       float nearest) {
   const RasterMap& map = source.to_frame;
   for (int i = 0; i < 4; ++i) {
     const float x = i & 1 ? to_x : from_x, y = i & 2 ? to_y : from_y;
@@ -39,7 +39,7 @@ bool is_aside(const WarpSource& source, float from_x, float to_x, float from_y, 
     const auto moved = [&](const float(&r)[4]) {
       return std::abs((row(r) + r[3] * nearest) / z - row(r) / far_z);
     };
-    if (moved(map.x) > kNearlyAside || moved(map.y) > kNearlyAside) return true;
+    if (moved(map.x) > kNearlyCrackParallax || moved(map.y) > kNearlyCrackParallax) return true;
   }
   return false;
 }
@@ -49,7 +49,7 @@ bool is_aside(const WarpSource& source, float from_x, float to_x, float from_y, 
 // square, half of which is added, and rounding; or half of one that closes the widest crack, and
 // that crack.
 Reach reach_of(const WarpSource& source, float from_x, float to_x, float from_y, float to_y,
-               const InverseRange& range, bool aside) {
+               const InverseRange& range, bool may_crack) {
   const RasterMap& map = source.to_frame;
   Reach out;
   float least_z = INFINITY;
@@ -58,7 +58,7 @@ Reach reach_of(const WarpSource& source, float from_x, float to_x, float from_y,
     const float w = i & 2 ? range.nearest : range.farthest;
     const auto row = [&](const float(&r)[4]) { return r[0] * x + r[1] * y + r[2] + r[3] * w; };
     const float z = row(map.z);
-    if (!(z > 1e-6f)) return {-INFINITY, INFINITY, -INFINITY, INFINITY, aside};
+    if (!(z > 1e-6f)) return {-INFINITY, INFINITY, -INFINITY, INFINITY, may_crack};
     const float at_x = row(map.x) / z, at_y = row(map.y) / z;
     out.x0 = std::min(out.x0, at_x), out.x1 = std::max(out.x1, at_x);
     out.y0 = std::min(out.y0, at_y), out.y1 = std::max(out.y1, at_y);
@@ -69,8 +69,8 @@ Reach reach_of(const WarpSource& source, float from_x, float to_x, float from_y,
   // Squares of a crack are no wider than it.
   const float half = kHalfSquare * magnified;
   const float slack =
-      (aside ? std::max(half, std::min(half, kWidestCrack / 2) + kWidestCrack) : half) + 1;
-  return {out.x0 - slack, out.x1 + slack, out.y0 - slack, out.y1 + slack, aside};
+      (may_crack ? std::max(half, std::min(half, kWidestCrack / 2) + kWidestCrack) : half) + 1;
+  return {out.x0 - slack, out.x1 + slack, out.y0 - slack, out.y1 + slack, may_crack};
 }
 
 // The reach of each block.
@@ -87,10 +87,10 @@ void find_reaches(const WarpSource& source, std::vector<Reach>& reaches) {
         reaches.emplace_back();
         continue;
       }
-      const bool aside =
-          is_aside(source, float(from), float(to), float(top), float(bottom), range.nearest);
+      const bool may_crack = may_crack_between(source, float(from), float(to), float(top),
+                                               float(bottom), range.nearest);
       reaches.push_back(
-          reach_of(source, float(from), float(to), float(top), float(bottom), range, aside));
+          reach_of(source, float(from), float(to), float(top), float(bottom), range, may_crack));
     }
 }
 
@@ -110,9 +110,9 @@ void splat_strip(const WarpSource& source, std::span<const Reach> reaches, float
         const InverseRange& of_row = key.segments(bx, y);
         if (of_row.empty()) continue;
         const float at = float(y) + 0.5f;
-        if (inside || reach_of(source, float(from), float(to), at, at, of_row, reach.aside)
+        if (inside || reach_of(source, float(from), float(to), at, at, of_row, reach.may_crack)
                           .meets(low, high, float(strip.width)))
-          splat_row(source, y, from, to, near, reach.aside, strip);
+          splat_row(source, y, from, to, near, reach.may_crack, strip);
       }
     }
 }

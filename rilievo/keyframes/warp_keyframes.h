@@ -78,14 +78,15 @@ inline constexpr int kOtherQuarterShift = 3;
 inline constexpr float kMostMixed = 2;
 // Half of the side of a texel's square, in texels: a little more than half, against cracks.
 inline constexpr float kHalfSquare = 0.55f;
-// Texels of a slanted surface move apart by more than their squares grow. Where a place lies more
-// than kAside pixels, along an axis, from where it would be at infinite distance, a texel and its
-// neighbours to the right and below are joined, if they are of one surface, with depths that differ
-// by more than kSlanted, and at most kWidestCrack pixels apart: by a band as wide as the texel's
-// square, along which 1 / eye_z goes from one to the other. Nearer than kAside a step of
-// kSameSurfaceDepth leaves two pixels where texels do not grow, which walks at a person's speed do
-// not show; one of kSlanted leaves half a pixel up to 500 pixels.
-inline constexpr float kAside = 64, kSlanted = 0.001f, kWidestCrack = 8;
+// Texels of a slanted surface move apart by more than their squares grow, and leave cracks. They
+// are closed where the parallax, how far a place is from where it would be at infinite distance, is
+// more than kCrackParallax pixels along an axis: a texel and its neighbour to the right, or below,
+// of the same surface, with a depth that differs by more than kLeastSlant, at most kWidestCrack
+// pixels apart, are joined by a band as wide as the texel's square, along which 1 / eye_z goes from
+// one to the other. At a smaller parallax a step of kSameSurfaceDepth leaves two pixels where
+// texels do not grow, which walks at a person's speed do not show; one of kLeastSlant leaves half a
+// pixel at a parallax of 500.
+inline constexpr float kCrackParallax = 64, kLeastSlant = 0.001f, kWidestCrack = 8;
 // A surface whose texels have grown by more, because the eye came so much nearer to it, is not
 // shown by them: it is a hole, unless another keyframe shows it.
 inline constexpr float kMostMagnified = 4;

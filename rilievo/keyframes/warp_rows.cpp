@@ -136,7 +136,7 @@ void draw_bridges(const Places& from, const Places& to, Mask wanted, VF half, fl
 }
 
 // Closes the cracks between texels of row `y`, from column `x` on, and their neighbours to the
-// right and below (kAside).
+// right and below (kCrackParallax).
 HWY_NOINLINE void close_cracks(const WarpSource& source, int x, int y, VF px, VF w, Mask shown,
                                VF half, float near, const DepthStrip& out) {
   const F f;
@@ -150,16 +150,16 @@ HWY_NOINLINE void close_cracks(const WarpSource& source, int x, int y, VF px, VF
   const auto is_slanted = [&](VF depth) {
     const VF step = hn::Abs(hn::Sub(depth, w));
     return hn::And(hn::And(shown, hn::Gt(depth, hn::Zero(f))),
-                   hn::And(hn::Gt(step, hn::Mul(number(kSlanted), w)),
+                   hn::And(hn::Gt(step, hn::Mul(number(kLeastSlant), w)),
                            hn::Le(step, hn::Mul(number(kSameSurfaceDepth), w))));
   };
   const Mask slants_right = is_slanted(right), slants_below = is_slanted(below);
   if (hn::AllFalse(f, hn::Or(slants_right, slants_below))) return;
   const Places here = places_of(source, py, px, w);
   const Places at_infinity = places_of(source, py, px, hn::Zero(f));
-  const Mask aside = hn::Gt(farther_axis(here, at_infinity), number(kAside));
+  const Mask moved = hn::Gt(farther_axis(here, at_infinity), number(kCrackParallax));
   const auto close = [&](Mask slants, float row, VF column, VF depth) {
-    const Mask wanted = hn::And(aside, slants);
+    const Mask wanted = hn::And(moved, slants);
     if (!hn::AllFalse(f, wanted))
       draw_bridges(here, places_of(source, row, column, depth), wanted, half, near, out);
   };
@@ -167,7 +167,7 @@ HWY_NOINLINE void close_cracks(const WarpSource& source, int x, int y, VF px, VF
   close(slants_below, py + 1, px, below);
 }
 
-void splat(const WarpSource& source, int y, int from, int to, float near, bool aside,
+void splat(const WarpSource& source, int y, int from, int to, float near, bool may_crack,
            const DepthStrip& out) {
   const F f;
   const I i32;
@@ -201,7 +201,7 @@ void splat(const WarpSource& source, int y, int from, int to, float near, bool a
     const VF magnified =
         hn::Min(hn::Max(hn::Mul(per_z, number(source.pixels_per_texel)), number(1)), most);
     const VF half = hn::Mul(number(kHalfSquare), magnified);
-    if (aside) close_cracks(source, x, y, px, w, shown, half, near, out);
+    if (may_crack) close_cracks(source, x, y, px, w, shown, half, near, out);
     const auto whole = [&](VF v, float low, float high) {
       return hn::ConvertTo(i32, clamped(v, low, high));
     };
@@ -379,9 +379,9 @@ namespace rilievo {
 HWY_EXPORT(splat);
 HWY_EXPORT(shade);
 
-void splat_row(const WarpSource& source, int y, int from, int to, float near, bool aside,
+void splat_row(const WarpSource& source, int y, int from, int to, float near, bool may_crack,
                const DepthStrip& out) {
-  HWY_DYNAMIC_DISPATCH(splat)(source, y, from, to, near, aside, out);
+  HWY_DYNAMIC_DISPATCH(splat)(source, y, from, to, near, may_crack, out);
 }
 
 std::uint32_t shade_row(const WarpSource* sources, int count, const DepthStrip& strip, int y,

@@ -24,8 +24,8 @@ struct DepthStrip {
 };
 
 // Draws the squares of texels [from, to) of a row into the strip. Nothing nearer than 1 / near.
-// `aside`: some of them may be farther aside than kAside.
-void splat_row(const WarpSource& source, int y, int from, int to, float near, bool aside,
+// `may_crack`: some of them may have a parallax of more than kCrackParallax.
+void splat_row(const WarpSource& source, int y, int from, int to, float near, bool may_crack,
                const DepthStrip& out);
 
 // The rows of the strip: depths and colours of row y. `cover`: 1 / eye_z of what will be drawn over

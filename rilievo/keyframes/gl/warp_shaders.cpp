@@ -51,7 +51,7 @@ void close_crack(ivec2 neighbour, float w, vec4 from, float half_side) {
   if (neighbour.x >= sources[k].width || neighbour.y >= sources[k].height) return;
   float depth = depth_of(k, neighbour);
   float deeper = abs(depth - w);
-  if (!(depth > 0.0) || !(deeper > SLANTED * w) || !(deeper <= SAME_SURFACE * w)) return;
+  if (!(depth > 0.0) || !(deeper > LEAST_SLANT * w) || !(deeper <= SAME_SURFACE * w)) return;
   vec4 to = place(vec2(neighbour) + 0.5, depth);
   float apart = farther(from, to);
   if (!(to.z > 1e-6) || !(to.w <= near)) return;
@@ -85,7 +85,7 @@ void main() {
   float magnified =
       min(max(1.0 / q.z * sources[k].pixels_per_texel, 1.0), sources[k].largest_square);
   float half_side = HALF_SQUARE * magnified;
-  if (farther(q, place(p, 0.0)) > ASIDE) {
+  if (farther(q, place(p, 0.0)) > CRACK_PARALLAX) {
     close_crack(texel + ivec2(1, 0), w, q, half_side);
     close_crack(texel + ivec2(0, 1), w, q, half_side);
   }
@@ -364,8 +364,8 @@ std::string constants() {
          whole("COLOR_UNIT", kColorUnit) + whole("DEPTH_UNIT", kDepthUnit) +
          whole("COVER_UNIT", kCoverUnit) + whole("SOURCE_BLOCK", kSourceBlock) +
          whole("PIXEL_BLOCK", kPixelBlock) + whole("SPLAT_GROUP", kSplatGroup) +
-         number("HALF_SQUARE", kHalfSquare) + number("ASIDE", kAside) +
-         number("SLANTED", kSlanted) + number("WIDEST_CRACK", kWidestCrack) +
+         number("HALF_SQUARE", kHalfSquare) + number("CRACK_PARALLAX", kCrackParallax) +
+         number("LEAST_SLANT", kLeastSlant) + number("WIDEST_CRACK", kWidestCrack) +
          number("SAME_SURFACE", kSameSurfaceDepth) + number("MOST_MAGNIFIED", kMostMagnified) +
          number("MOST_MIXED", kMostMixed) + whole("TEXEL_WEIGHTS", kTexelWeights) +
          whole("ALL_SHOWN", kAllShown) + whole("LEAST_SHOWN", kLeastShown) +
