@@ -203,7 +203,7 @@ Result<> AutoFrames::draw(const Camera& camera, double time) {
   eye_.follow(camera);
   still_frames_ = frame_ > 0 && same_view(camera, shown_camera_) ? still_frames_ + 1 : 0;
   // What was seen of them was elsewhere.
-  if (eye_.jumped() && draws_keyframes()) forget_loss_of_keyframes();
+  if (eye_.jumped() && draws_keyframes()) forget_loss(kKeyframes);
   if (eye_.jumped() && preparing_ < 0 && made_.keyframes)
     made_.jumped = true, made_.jumped_in = frame_;
   // Nor are they kept for here.
@@ -244,7 +244,7 @@ Result<> AutoFrames::draw(const Camera& camera, double time) {
     begins_with_keyframes_ = false;
     const KeyframeShares& shares = keyframes_->shares();
     // What finer ones lost says nothing of a coarse one.
-    if (shares.coarse > 0) forget_loss_of_keyframes();
+    if (shares.coarse > 0) forget_loss(kKeyframes);
     if (first_alone_) ms = allow_second_keyframe(ms);
     ms = ms_when_settled(ms, shares.fill_ms, young_keyframes_ > 0);
     young_keyframes_ = shares.completed > 0 ? 0 : std::max(young_keyframes_ - 1, 0);
@@ -307,7 +307,7 @@ void AutoFrames::follow_first_keyframe() {
   const bool completed = shares.completed > 0;
   if (second_made_ || shares.coarse) end_first_keyframe();
   second_made_ = first_alone_ && completed;
-  if (completed) forget_loss_of_keyframes();
+  if (completed) forget_loss(kKeyframes);
 }
 
 void AutoFrames::end_first_keyframe() {

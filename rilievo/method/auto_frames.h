@@ -127,8 +127,7 @@ class AutoFrames final : public FrameSource {
   Result<> measure_loss(const Camera& camera, double time, const AutoChoice& choice);
   Result<> measure_loss_of_levels(const Camera& camera, double time);
   void forget_levels();
-  void forget_loss_of_levels();
-  void forget_loss_of_keyframes();
+  void forget_loss(int method);
   [[nodiscard]] bool keep_keyframes(const Camera& camera, double time, const AutoChoice& choice);
   [[nodiscard]] Result<std::optional<double>> look_at_levels(const Camera& camera, double time,
                                                              bool again);

@@ -66,10 +66,7 @@ bool AutoFrames::good_enough(int method) {
             again = std::min(first << std::min(of.refusals, 8), kLooksAgainAtMost);
   if (!good() && preparing_ < 0 && frame_ - of.seen_in > again) {
     ++of.refusals;
-    of.db.reset();
-    if (method == kKeyframes && keyframes_) keyframes_->forget_loss();
-    if (method == kLevels && looks_) looks_->forget();
-    if (method == kLevels && pieces_) pieces_->forget();
+    forget_loss(method);
   }
   return good();
 }
@@ -99,7 +96,7 @@ Result<> AutoFrames::measure_loss_of_levels(const Camera& camera, double time) {
   Loss& of = loss_[kLevels];
   if (load_.level_triangles < kSameLevels * looked_triangles_) {
     looked_triangles_ = 0;
-    forget_loss_of_levels();
+    forget_loss(kLevels);
   }
   looked_triangles_ = std::max(looked_triangles_, load_.level_triangles);
   for (const bool again : {false, true}) {
@@ -119,19 +116,15 @@ Result<> AutoFrames::measure_loss_of_levels(const Camera& camera, double time) {
 // They draw with another error from the next frame on: what was seen of them says nothing, and they
 // show something else.
 void AutoFrames::forget_levels() {
-  forget_loss_of_levels();
+  forget_loss(kLevels);
   refined_ = drawn_by_ == kLevels;
 }
 
-void AutoFrames::forget_loss_of_keyframes() {
-  loss_[kKeyframes].db.reset();
-  keyframes_->forget_loss();
-}
-
-void AutoFrames::forget_loss_of_levels() {
-  loss_[kLevels].db.reset();
-  if (looks_) looks_->forget();
-  if (pieces_) pieces_->forget();
+void AutoFrames::forget_loss(int method) {
+  loss_[method].db.reset();
+  if (method == kKeyframes && keyframes_) keyframes_->forget_loss();
+  if (method == kLevels && looks_) looks_->forget();
+  if (method == kLevels && pieces_) pieces_->forget();
 }
 
 // By rays, or by polygons in a scene that rays do not know. Often until it is known, since the one

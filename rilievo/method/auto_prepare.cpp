@@ -232,7 +232,7 @@ Result<> AutoFrames::adopt() {
   // Levels are polygons, too.
   if (method == kLevels && direct_frames_ == 0) off_[kDirect] = std::max(1.0, off_[kLevels]);
   // What was seen of levels was of another error.
-  if (made_.error_px != options_.error_px) forget_loss_of_levels();
+  if (made_.error_px != options_.error_px) forget_loss(kLevels);
   made_ = {};
   // Memory, mostly: the other methods go on.
   if (frames) frames_[method] = std::move(*frames);

@@ -47,12 +47,13 @@ AutoTrials::AutoTrials(int most_warm_up) { ms_.reserve(std::size_t(most_warm_up 
 
 bool AutoTrials::affords(const TrialOutlook& outlook, double free_ms, double now_ms) const {
   double expense = std::max(0.0, outlook.likely_ms - free_ms) * (outlook.warm_up + kFrames);
-  // To return to what warms up for long is an expense, and to begin with it for no likely gain:
-  // that is worth it once, in minutes of frames.
-  const bool unlikely = outlook.likely_ms > free_ms;
-  if ((outlook.measured || unlikely) && outlook.warm_up >= kWarmsUpLong)
+  // To return to what warms up for long is an expense, and more so to begin with it for no likely
+  // gain.
+  const bool begins_for_no_gain = !outlook.measured && outlook.likely_ms > free_ms;
+  if (outlook.warm_up >= kWarmsUpLong && (outlook.measured || begins_for_no_gain)) {
     expense += kWarmUpMore * outlook.likely_ms * outlook.warm_up;
-  if (!outlook.measured && unlikely && outlook.warm_up >= kWarmsUpLong) expense *= kUnlikely;
+    if (begins_for_no_gain) expense *= kUnlikely;
+  }
   // The time of two frames is free.
   return expense <= 0 || trials_ms_ + expense <= 2 * now_ms + kShare * all_ms_;
 }
