@@ -14,7 +14,8 @@ constexpr int kHurryNice = 0;  // as much as a worker
 
 }  // namespace
 
-IdleThread::IdleThread(bool hurry) : thread_([this, hurry] { work(hurry); }) {}
+IdleThread::IdleThread(bool hurry)
+    : thread_([this, hurry, threads = threads_of_frames()] { work(hurry, threads); }) {}
 
 IdleThread::~IdleThread() {
   {
@@ -25,10 +26,10 @@ IdleThread::~IdleThread() {
   thread_.join();
 }
 
-void IdleThread::work(bool hurry) {
+void IdleThread::work(bool hurry, int threads_of_frames) {
   // Of this thread alone, as Linux has it. If it is refused, work is as fast as frames' work.
   (void)setpriority(PRIO_PROCESS, 0, hurry ? kHurryNice : kIdleNice);
-  const OnThisThread alone;
+  const OnThisThread alone(threads_of_frames);
   // Libraries that use TBB themselves, as Embree does, get no other thread either.
   tbb::task_arena one(1);
   std::unique_lock lock(mutex_);

@@ -34,7 +34,7 @@ class IdleThread {
   void wait();
 
  private:
-  void work(bool hurry);
+  void work(bool hurry, int threads_of_frames);
 
   std::mutex mutex_;  // held for the queue alone
   std::condition_variable changed_;

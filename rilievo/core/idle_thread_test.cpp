@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>
+#include <tbb/task_arena.h>
 
 #include <atomic>
 #include <numeric>
@@ -9,6 +10,7 @@
 #include <thread>
 #include <vector>
 
+#include "rilievo/core/on_this_thread.h"
 #include "rilievo/core/parallel_for.h"
 
 namespace rilievo {
@@ -46,6 +48,24 @@ TEST(IdleThread, works_alone_and_last) {
   EXPECT_FALSE(threads.contains(std::this_thread::get_id()));
   EXPECT_EQ(priority, 19);
   EXPECT_EQ(getpriority(PRIO_PROCESS, 0), before);  // the caller's is its own
+}
+
+// What it measures of its own work is compared with what frames take.
+TEST(IdleThread, knows_on_how_many_threads_frames_run) {
+  tbb::task_arena host(3);
+  host.execute([] {
+    IdleThread idle;
+    int calls = 0, frames = 0;
+    bool beside = false;
+    idle.run([&] {
+      calls = threads_of_calls(), frames = threads_of_frames(), beside = beside_frames();
+    });
+    idle.wait();
+    EXPECT_EQ(calls, 1);
+    EXPECT_EQ(frames, threads_of_calls());
+    EXPECT_TRUE(beside);
+    EXPECT_FALSE(beside_frames());
+  });
 }
 
 // The caller must be able to go on, and to use parallel_for, while a task runs.

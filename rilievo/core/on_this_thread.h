@@ -8,13 +8,19 @@ namespace rilievo {
 class OnThisThread {
  public:
   OnThisThread();
+  // The same of a thread that knows nothing of frames, which run on so many threads.
+  explicit OnThisThread(int threads);
   ~OnThisThread();
   OnThisThread(const OnThisThread&) = delete;
   OnThisThread& operator=(const OnThisThread&) = delete;
 
  private:
   bool before_;
+  int threads_before_;
 };
+
+// Does one live?
+[[nodiscard]] bool beside_frames();
 
 // On how many threads the parallel_for calls of this thread run at the same time, at most: one
 // while an OnThisThread lives, and no more than its TBB arena and a host's tbb::global_control

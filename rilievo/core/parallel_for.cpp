@@ -13,6 +13,8 @@ namespace rilievo::detail {
 namespace {
 
 thread_local bool on_this_thread = false;
+// Of frames, while an OnThisThread lives.
+thread_local int threads_besides = 1;
 
 // Tells at the end of a scope, exceptions included.
 struct BeforeAtEnd {
@@ -46,15 +48,26 @@ void parallel_for(std::size_t count, void (*piece)(const void*, std::size_t), co
 
 namespace rilievo {
 
-OnThisThread::OnThisThread() : before_(detail::on_this_thread) { detail::on_this_thread = true; }
-OnThisThread::~OnThisThread() { detail::on_this_thread = before_; }
+OnThisThread::OnThisThread() : OnThisThread(threads_of_frames()) {}
+OnThisThread::OnThisThread(int threads)
+    : before_(detail::on_this_thread), threads_before_(detail::threads_besides) {
+  detail::on_this_thread = true, detail::threads_besides = threads;
+}
+OnThisThread::~OnThisThread() {
+  detail::on_this_thread = before_, detail::threads_besides = threads_before_;
+}
+
+bool beside_frames() { return detail::on_this_thread; }
 
 int threads_of_calls() { return detail::on_this_thread ? 1 : threads_of_frames(); }
 
+// Beside frames this thread may have an arena of its own, as an IdleThread has.
 int threads_of_frames() {
   const std::size_t allowed =
       tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
-  return int(std::min(std::size_t(std::max(1, tbb::this_task_arena::max_concurrency())), allowed));
+  const int threads = detail::on_this_thread ? detail::threads_besides
+                                             : std::max(1, tbb::this_task_arena::max_concurrency());
+  return int(std::min(std::size_t(threads), allowed));
 }
 
 }  // namespace rilievo
