@@ -289,7 +289,6 @@ Result<BenchReport> automatic(const BenchOptions& options) {
   if (options.seconds > 0) run.frames = int(std::ceil(options.seconds * kRefresh));
   run.method.by_clock = true;
   run.method.max_spike = options.max_spike;
-  run.method.keyframe_ms = options.keyframe_ms;
   run.method.keyframe_samples = options.keyframe_samples;
   std::vector<RealScene> scenes;
   if (options.scenes.empty())

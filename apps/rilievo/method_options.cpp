@@ -151,9 +151,9 @@ void add_method_options(CLI::App& command, MethodOptions& options) {
   command
       .add_option("--keyframe-ms", options.keyframe_ms,
                   "keyframes: time that a frame spends on the next keyframe, in ms, and more where "
-                  "holes take more; after a jump a coarse one is made first (default: a sixteenth "
-                  "of a keyframe, which makes runs "
-                  "repeatable)")
+                  "holes take more; after a jump a coarse one is made first (default: view "
+                  "and --real-time 8, or three eighths of a frame; else a sixteenth of a keyframe, "
+                  "which makes runs repeatable)")
       ->check(in_range(0.1, 1000.0))
       ->type_name("T");
   command

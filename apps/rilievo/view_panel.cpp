@@ -90,7 +90,7 @@ void method_options(ViewState& state) {
   }
   if (state.method == "keyframes")
     state.new_source |= slider("keyframe, ms", options.keyframe_ms, 0, 50,
-                               options.keyframe_ms > 0 ? "%.1f" : "a 16th");
+                               options.keyframe_ms > 0 ? "%.1f" : "a share");
   constexpr std::array bits{2, 4, 6, 8, 16};
   if ((pictures || state.method == "cache") &&
       ImGui::BeginCombo("bits of Delta", std::to_string(options.delta_bits).c_str())) {

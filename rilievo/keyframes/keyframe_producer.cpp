@@ -302,7 +302,7 @@ Result<std::span<const WarpedKeyframe>> KeyframeProducer::make_now() {
 // With twice the time a keyframe comes twice as soon, and frames have half as many holes: both
 // together take the least if they take the same.
 double KeyframeProducer::ms_a_frame() const {
-  return std::max({options_.keyframe_ms, holes_ms_, allowed_ms_});
+  return std::max({options_.keyframe_ms, holes_ms_, allowed_ms_, share_ms_});
 }
 
 // Where time does not count an eye that moves fast gets a keyframe after fewer frames: else it
@@ -389,16 +389,16 @@ double KeyframeProducer::frames_ahead(const Columns& columns) const {
   return 2 * columns.frames;
 }
 
-Result<> KeyframeProducer::work(double holes_ms, double allowed_ms) {
+Result<> KeyframeProducer::work(double holes_ms, double allowed_ms, double share_ms) {
   if (options_.beside) return work_beside();
   // What is made at once says nothing of those that come then.
   at_once_ = allowed_ms == kAtOnce, allowed_ms_ = at_once_ ? 0 : allowed_ms;
-  holes_ms_ += (holes_ms - holes_ms_) * kNewestHoles;
+  holes_ms_ += (holes_ms - holes_ms_) * kNewestHoles, share_ms_ = share_ms;
   // Beside frames this thread makes all of it, and waits for them. Frames that go on with it take
-  // its processor time, on all threads.
-  const bool by_frames = threads_of_calls() == threads_of_frames();
+  // its processor time, on all threads. A part says nothing: the first ones take the longest.
+  const bool by_frames = !beside_frames();
   if (by_frames && processor_columns_ > 0) {
-    ms_per_column_ = processor_ms_ / processor_columns_;
+    if (processor_columns_ >= frame_.width) ms_per_column_ = processor_ms_ / processor_columns_;
     processor_ms_ = 0, processor_columns_ = 0;
   }
   const Columns columns = columns_a_frame();

@@ -83,11 +83,12 @@ class KeyframeProducer {
   [[nodiscard]] double frames_for_one() const { return columns_a_frame().frames; }
   // Those that a frame of this eye would be warped from: no frame begins.
   [[nodiscard]] std::span<const WarpedKeyframe> choose_for(const Camera& eye);
-  // Ends a frame of which holes took `holes_ms`: makes a part of a keyframe, which may take
-  // `allowed_ms` if that is more than it may anyway; then a keyframe may take fewer frames than its
-  // interval, and with kAtOnce it takes one. Fails where the source does.
+  // Ends a frame of which holes took `holes_ms`: makes a part of a keyframe, in `share_ms` if that
+  // is more than options and holes allow. It may take `allowed_ms` if that is more still; then a
+  // keyframe may take fewer frames than its interval, and with kAtOnce it takes one. Fails where
+  // the source does.
   static constexpr double kAtOnce = HUGE_VAL;
-  Result<> work(double holes_ms = 0, double allowed_ms = 0);
+  Result<> work(double holes_ms = 0, double allowed_ms = 0, double share_ms = 0);
   // After a frame that was warped from none: a keyframe that it completed is there now, not from
   // the next frame on. Not beside the frames.
   void take_complete();
@@ -170,7 +171,7 @@ class KeyframeProducer {
   int processor_columns_ = 0;
   double visibility_ms_ = 0, shading_ms_ = 0;  // of the last keyframe
   double holes_ms_ = 0;                        // of the last frames
-  double allowed_ms_ = 0;                      // of this frame
+  double allowed_ms_ = 0, share_ms_ = 0;       // of this frame
   bool at_once_ = false;                       // this frame makes all of one
   // Of the keyframe that is being made; and those to find what is visible.
   double made_ms_ = 0, made_visibility_ms_ = 0;

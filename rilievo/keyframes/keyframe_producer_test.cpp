@@ -325,6 +325,27 @@ TEST(KeyframeProducer, FramesThatAreAllowedMoreTimeMakeAKeyframeSooner) {
   EXPECT_GE(took[1], 8);
 }
 
+// But no sooner than its interval allows. In bands, whose time is below any that is known.
+TEST(KeyframeProducer, AShareOfFramesMakesAKeyframeInItsInterval) {
+  int took[2] = {};
+  for (const bool shared : {false, true}) {
+    ProducerStage stage;
+    KeyframeProducer producer(stage.source, stage.source,
+                              {.samples = 1, .interval = 16, .keyframe_ms = 1e-9});
+    int& frames = took[shared ? 1 : 0];
+    for (int completed = 0; completed < 3 && frames < 200; ++frames) {
+      const glm::dvec3 at(0.01 * frames, 1.7, 12);
+      (void)producer.follow(
+          look_at(at, at + glm::dvec3(0, 0, -1), {0, 1, 0}, 0.3, 800, 40, 0.1, 200), 0);
+      ASSERT_TRUE(producer.work(0, 0, shared ? 1e6 : 0));
+      completed += producer.take_work().completed;
+    }
+  }
+  // Whole bands: of 16 frames that a keyframe takes at least 15 are needed, of 32 two fewer.
+  EXPECT_NEAR(took[1], 3 * 15.5, 3);
+  EXPECT_NEAR(took[0], 2 * took[1], 3);
+}
+
 // There is no second one.
 TEST(KeyframeProducer, AnEyeThatStandsHasAllWithOne) {
   ProducerStage stage;

@@ -33,6 +33,8 @@ constexpr double kLevelsMayPay = 0.9;
 constexpr double kNewestOff = 0.2, kMostOffOfTrial = 2;
 // The cache's frames that capture most.
 constexpr int kFirstCaptures = 5;
+// Keyframes leave frames this share of what keeps the pace: parts of them are not of equal time.
+constexpr double kWithinPace = 0.95;
 // With OpenGL frames overlap: one in so many is waited for, to be timed.
 constexpr int kTimedFrames = 8;
 
@@ -100,7 +102,7 @@ void AutoFrames::look(const Camera& camera) {
   AutoOutlook& keyframes = outlook_[kKeyframes];
   keyframes.guess_ms = slow * load.keyframes_ms() + FrameLoad::kKeyframesOfDirect * direct_ms;
   keyframes.prepare_ms = kOfFrames * (slow * kRaysTriangleMs * double(meshes_triangles_) +
-                                      kFirstKeyframes * kKeyframeMs);
+                                      kFirstKeyframes * keyframe_ms());
   // After a jump they show a coarse one, which pops when another method replaces it a frame later.
   keyframes.good_enough = !eye_.jumped() && good_enough(kKeyframes);
   outlook_[kLevels].good_enough = good_enough(kLevels);
@@ -115,7 +117,7 @@ void AutoFrames::look(const Camera& camera) {
     const bool goes_on = first_alone_ || (draws_keyframes() && keyframes_->any());
     keyframes.ready = recent && (goes_on || keyframes_->prepared());
     keyframes.preparable = !keyframes.ready && frame_ >= keyframes_again_;
-    keyframes.prepare_ms = kOfFrames * kFirstKeyframes * kKeyframeMs;
+    keyframes.prepare_ms = kOfFrames * kFirstKeyframes * keyframe_ms();
   }
   for (int method = 0; method < kMethods; ++method) {
     double& off = off_[method];
@@ -228,6 +230,7 @@ Result<> AutoFrames::draw(const Camera& camera, double time) {
   drawn_by_ = choice.draws;
   shared_chooser_->use_cache(choice.draws == kCache);
   active_ = frames_[choice.draws == kCache ? kDirect : choice.draws].get();
+  if (choice.draws == kKeyframes) keyframes_->set_pace(kWithinPace * pace_ms());
   double ms = begun_ms_;
   // What begins shows the first frame: polygons would be a change of method in the next one.
   const int drew = std::exchange(begun_drawn_, -1);
@@ -247,7 +250,7 @@ Result<> AutoFrames::draw(const Camera& camera, double time) {
     if (shares.coarse > 0) forget_loss(kKeyframes);
     if (first_alone_) ms = allow_second_keyframe(ms);
     ms = ms_when_settled(ms, shares.fill_ms, young_keyframes_ > 0);
-    young_keyframes_ = shares.completed > 0 ? 0 : std::max(young_keyframes_ - 1, 0);
+    young_keyframes_ = std::max(young_keyframes_ - 1, 0);
   }
   // Not beside the first captures of the cache, which take long enough.
   if (begins_with_keyframes_ && frame_ - begun_in_ >= kFirstCaptures) {
@@ -258,7 +261,7 @@ Result<> AutoFrames::draw(const Camera& camera, double time) {
   if (preparing_ == kKeyframes) shared_eye_.post(eye_, time);
   if (options_.by_clock && (choice.draws == kKeyframes || choice.draws == kLevels))
     if (Result<> measured = measure_loss(camera, time, choice); !measured) return measured;
-  if (first_alone_) follow_first_keyframe();
+  if (choice.draws == kKeyframes) follow_first_keyframes();
   const double counted_ms = load_.by_threads(shared_chooser_->counted_ms());
   if (!options_.by_clock) {
     ms = counted_ms;
@@ -293,21 +296,24 @@ Result<> AutoFrames::draw(const Camera& camera, double time) {
 double AutoFrames::allow_second_keyframe(double ms) {
   const double made_ms = keyframes_->shares().keyframe_ms, own_ms = ms - made_ms;
   double allowed_ms = time_for_keyframes(own_ms, own_ms, own_ms, own_ms);
-  if (options_.fps > 0)
-    allowed_ms =
-        std::clamp(AutoDecision::kKeepsPace * 1000 / options_.fps - own_ms, 0.0, allowed_ms);
+  if (pace_ms() > 0) allowed_ms = std::clamp(pace_ms() - own_ms, 0.0, allowed_ms);
   keyframes_->allow_keyframe_ms(allowed_ms);
-  return own_ms + std::min(made_ms, keyframe_ms());
+  const double share_ms = options_.keyframe_ms > 0 ? 0 : kKeyframeShare * own_ms;
+  return own_ms + std::min(made_ms, std::max(keyframe_ms(), share_ms));
 }
 
-// After a frame from the first keyframe. A frame that completes the second one shows the first one
-// alone, the next frame both; what the first one lost alone is forgotten.
-void AutoFrames::follow_first_keyframe() {
+// After a frame from keyframes that began. A frame that completes one more does not show it yet;
+// what was lost without it says little of frames with it, and is forgotten.
+void AutoFrames::follow_first_keyframes() {
   const KeyframeShares& shares = keyframes_->shares();
   const bool completed = shares.completed > 0;
+  if (completed && young_keyframes_ > 0) forget_loss(kKeyframes);
+  if (!first_alone_) {
+    if (completed) young_keyframes_ = 0;
+    return;
+  }
   if (second_made_ || shares.coarse) end_first_keyframe();
   second_made_ = first_alone_ && completed;
-  if (completed) forget_loss(kKeyframes);
 }
 
 void AutoFrames::end_first_keyframe() {

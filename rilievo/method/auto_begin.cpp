@@ -80,7 +80,6 @@ Result<> AutoFrames::begin(const Camera& camera, double time) {
     width_ = camera.width, height_ = camera.height;
     return Done{};
   }
-  const double pace_ms = options_.fps > 0 ? 1000 / options_.fps : 0;
   outlook_.assign(kMethods, {});
   if (options_.by_clock && active_->software_target())
     fade_.end(), fade_.reserve(camera.width, camera.height);
@@ -95,7 +94,8 @@ Result<> AutoFrames::begin(const Camera& camera, double time) {
   // To try the cache later is dear: it captures for several frames. Direct drawing is tried at any
   // time.
   const int others = caches_ && !cheap_ ? kCache : kDirect;
-  decision_.emplace(kCandidates, *by_keyframes ? kKeyframes : others, pace_ms);
+  decision_.emplace(kCandidates, *by_keyframes ? kKeyframes : others,
+                    options_.fps > 0 ? 1000 / options_.fps : 0);
   width_ = camera.width, height_ = camera.height;
   return Done{};
 }
@@ -114,9 +114,7 @@ Result<bool> AutoFrames::begin_with_keyframes(const Camera& camera, double time)
   if (polygons_over_keyframes(load_.direct_ms()) < kKeyframesMayPay) return false;
   const Result<bool> pay = count_polygons(camera, time);
   if (!pay) return pay.error();
-  const bool keeps_pace =
-      options_.fps > 0 && begun_ms_ < AutoDecision::kKeepsPace * 1000 / options_.fps;
-  if (keeps_pace) return false;
+  if (begun_ms_ < pace_ms()) return false;
   begins_with_keyframes_ = *pay;
   const double direct_ms = begun_ms_ / slowness_.value();
   return frame_ == 0 && polygons_over_keyframes(direct_ms) >= kKeyframesWorthALook &&

@@ -58,8 +58,6 @@ class AutoFrames final : public FrameSource {
   static constexpr int kKeyframesDwell = 48;
   // Keyframes that nobody wanted are made again after so many frames.
   static constexpr int kKeyframesAgain = 80;
-  // The time of a frame that goes into keyframes, if none is asked for.
-  static constexpr double kKeyframeMs = 8;
   // Keyframes that no frame was drawn from for so many frames are of elsewhere.
   static constexpr int kKeyframesLast = 8;
   // Of larger meshes the tree of rays takes too much memory.
@@ -134,8 +132,12 @@ class AutoFrames final : public FrameSource {
   [[nodiscard]] double keyframe_ms() const {
     return options_.keyframe_ms > 0 ? options_.keyframe_ms : kKeyframeMs;
   }
+  // Frames that take less keep the pace that is asked for; 0: none is.
+  [[nodiscard]] double pace_ms() const {
+    return options_.fps > 0 ? AutoDecision::kKeepsPace * 1000 / options_.fps : 0;
+  }
   [[nodiscard]] double allow_second_keyframe(double ms);
-  void follow_first_keyframe();
+  void follow_first_keyframes();
   void end_first_keyframe();
   void prepare(int method, const Camera& camera, double time);
   void make_part(const Camera& camera, double time, double ms);

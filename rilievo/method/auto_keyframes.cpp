@@ -27,9 +27,10 @@ constexpr double kFarLess = 1 / 3.0;
 // by 0.44 to 1.3. And the frames in a row until that is believed.
 constexpr double kSurelyLess = 0.7;
 constexpr int kBelieved = 12;
-// What may be left of the loss with a second keyframe: where both were looked at 0.66 in bridge,
-// more elsewhere.
-constexpr double kOfSecond = 0.75;
+// What may be left of the loss of the first one alone with a second one, and of that of the first
+// two with a third one: frames are allowed more keyframes than those before. Along four flights at
+// a person's speed 0.4 to 0.75, and 0.3 to 0.9.
+constexpr double kOfSecond = 0.6, kOfThird = 0.85;
 // By how much less is filled between later keyframes than between the first two: 0.3 to 0.9 along
 // five walks.
 constexpr double kLessFilled = 0.5;
@@ -144,6 +145,8 @@ bool good_beside_cache(double loss_db, std::optional<double> cache_loss_db, doub
   return good_enough(loss_db, cache_loss_db, (sure ? 1 : kCertainly) * allowed_db);
 }
 
+double loss_when_settled(double loss_db, bool young) { return (young ? kOfThird : 1) * loss_db; }
+
 double ms_when_settled(double ms, double fill_ms, bool young) {
   return young ? ms - kLessFilled * std::min(fill_ms, ms) : ms;
 }
@@ -155,7 +158,7 @@ bool kept_after_trial(int frames, int warm_up, double keyframes_ms, double cache
 
 Result<std::optional<double>> loss_ahead(const EyePrediction& eye, double time,
                                          KeyframeFrames& frames) {
-  return loss_from(eye.after(0.5 * frames.frames_for_one()), time, frames);
+  return loss_from(eye.after(0.5 * frames.least_frames_for_one()), time, frames);
 }
 
 Camera eye_aside(const Camera& camera, const Image<float>& inverse_z, double pixels) {

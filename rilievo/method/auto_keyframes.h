@@ -110,6 +110,9 @@ class KeyframesDoubt {
 [[nodiscard]] bool good_beside_cache(double loss_db, std::optional<double> cache_loss_db,
                                      double allowed_db, bool drew);
 
+// What frames of keyframes will lose, dB, where they lose that. `young`: there is no third one yet.
+[[nodiscard]] double loss_when_settled(double loss_db, bool young);
+
 // What frames of keyframes will take, where one took `ms` and `fill_ms` of that for holes: between
 // the first two there are more of these than there will be. `young`: there is no third one yet.
 [[nodiscard]] double ms_when_settled(double ms, double fill_ms, bool young);
@@ -121,8 +124,9 @@ class KeyframesDoubt {
 [[nodiscard]] bool kept_after_trial(int frames, int warm_up, double keyframes_ms, double cache_ms);
 
 // What is warped from keyframes loses where the eye will be when the next one is half complete, as
-// far as these show it; halfway both are the farthest. None: it is not known. Fails where memory
-// does not suffice.
+// far as these show it; halfway both are the farthest. One that gets a share of frames is taken to
+// come as soon as it may: frames are looked at when they draw. None: it is not known. Fails where
+// memory does not suffice.
 [[nodiscard]] Result<std::optional<double>> loss_ahead(const EyePrediction& eye, double time,
                                                        KeyframeFrames& frames);
 

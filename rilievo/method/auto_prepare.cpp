@@ -28,7 +28,10 @@ Result<std::unique_ptr<KeyframeFrames>> AutoFrames::make_keyframes(const Scene& 
   keyframes.polygons_where_cheaper = false;
   if (options_.gap_px > 0) keyframes.gap_px = options_.gap_px;
   keyframes.keyframes.samples = options_.keyframe_samples;
-  keyframes.keyframes.keyframe_ms = keyframe_ms();
+  if (options_.keyframe_ms > 0)
+    keyframes.keyframes.keyframe_ms = options_.keyframe_ms;
+  else
+    take_usual_time(keyframes);
   return KeyframeFrames::create(scene, keyframes);
 }
 

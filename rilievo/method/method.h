@@ -65,7 +65,7 @@ struct MethodOptions {
   bool bake_together = false;             // cache: all that stands still as one
   double texel_px = 4;                    // kinds drawn for objects
   std::string source = "raster";          // keyframes: raster, rays, raytrace, exec:PROGRAM
-  double keyframe_ms = 0;                 // keyframes: time a frame; 0: no limit
+  double keyframe_ms = 0;                 // keyframes: time a frame; 0: the usual share
   std::string program_scene;              // keyframes: what exec:PROGRAM opens: its argument
   int keyframe_samples = 4;               // keyframes: of a texel: 1, 4 or 16
   double fps = 0;      // auto: frames a second that are enough; 0: as many as can be

@@ -89,6 +89,8 @@ Result<Method> make_keyframes(const MethodOptions& options, Backend& backend) {
   if (options.gap_px > 0) keyframes.gap_px = options.gap_px;
   keyframes.keyframes.samples = options.keyframe_samples;
   keyframes.keyframes.keyframe_ms = options.keyframe_ms;
+  if (options.by_clock && options.keyframe_ms == 0 && !is_slow_source(options.source))
+    take_usual_time(keyframes);
   KeyframeFrames::MakeSource make;
   if (Result<> known = check_source(options.source); !known)
     return Error{"--source", known.error().message()};

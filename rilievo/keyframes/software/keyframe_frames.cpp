@@ -11,8 +11,10 @@
 #include "rilievo/capture/ray_source.h"
 #include "rilievo/core/color.h"
 #include "rilievo/core/expects.h"
+#include "rilievo/core/on_this_thread.h"
 #include "rilievo/core/parallel_for.h"
 #include "rilievo/core/stopwatch.h"
+#include "rilievo/core/thread_watch.h"
 #include "rilievo/keyframes/cheaper_way.h"
 #include "rilievo/keyframes/keyframe_bound.h"
 #include "rilievo/keyframes/software/keyframe_tiles.h"
@@ -28,6 +30,9 @@ namespace rilievo {
 namespace {
 
 static_assert(Keyframe::kMostRows == SampleRaster::kMaxSize);
+
+// The share of the last frame in the mean of what frames take besides keyframes.
+constexpr double kNewestBesides = 0.1;
 
 DepthImage picture_of(const Keyframe& key, std::string name) {
   DepthImage picture;
@@ -77,8 +82,12 @@ struct KeyframeFrames::State {
   std::optional<KeyframeProducer> producer;
   std::optional<CheaperWay> cheaper;  // where polygons show the same and time matters
   bool warps = false;                 // the last frame shows keyframes
+  bool made_now = false;              // a keyframe was made for the last frame
   bool making_beside = false;         // it is polygons, and keyframes are being made
   double allowed_ms = 0;              // see allow_keyframe_ms()
+  double pace_ms = 0;                 // see set_pace()
+  double besides_ms = 0;              // of a frame: what is not for keyframes; 0: not known
+  int besides_frames = 0;             // that were measured for that
 
   std::unique_ptr<KeyframePainter> painter;
   WarpedFrame warped;
@@ -101,6 +110,8 @@ struct KeyframeFrames::State {
   std::size_t find_holes();
   [[nodiscard]] float nearest_of(std::span<const std::uint32_t> objects) const;
   Result<> warp_from(std::span<const WarpedKeyframe> keyframes);
+  void note_besides(double ms);
+  [[nodiscard]] double share_ms() const;
 };
 
 KeyframeFrames::State::State(const Scene& scene, RayScene made_rays,
@@ -186,6 +197,7 @@ Result<> KeyframeFrames::State::warp(double time) {
     if (!producer->any() && options.keyframes.keyframe_ms > 0)
       keyframe_tiles.take_memory(camera.width, camera.height, std::size_t(most));
     take_memory();
+    made_now = true;
     Result<std::span<const WarpedKeyframe>> made = producer->make_now();
     if (!made) return made.error();
     if (Result<> done = warp_from(*made); !done) return done;
@@ -251,6 +263,20 @@ Result<> KeyframeFrames::State::look_for_unshown() {
   return Done{};
 }
 
+// A frame took that, without what it spent on keyframes. The first one touches memory for the first
+// time.
+void KeyframeFrames::State::note_besides(double ms) {
+  ++besides_frames;
+  if (besides_frames > 1)
+    besides_ms += (ms - besides_ms) * (besides_frames > 2 ? kNewestBesides : 1);
+}
+
+// Of a frame, for keyframes.
+double KeyframeFrames::State::share_ms() const {
+  const double share = options.keyframe_share * besides_ms;
+  return pace_ms > 0 ? std::clamp(pace_ms - besides_ms, 0.0, share) : share;
+}
+
 KeyframeFrames::KeyframeFrames(std::unique_ptr<State> state) : state_(std::move(state)) {}
 KeyframeFrames::~KeyframeFrames() = default;
 
@@ -278,11 +304,13 @@ Result<std::unique_ptr<KeyframeFrames>> KeyframeFrames::create(
 Result<> KeyframeFrames::draw(const Camera& camera, double time) {
   State& s = *state_;
   const Stopwatch all;
+  const ThreadWatch processor;
   CheaperWay::Way way = s.cheaper ? s.cheaper->next() : CheaperWay::Way::keyframes;
   s.warps = s.any_still && way == CheaperWay::Way::keyframes;
   s.camera = camera;
   s.placed.set_time(time);
   s.shares = {};
+  s.made_now = false;
   s.stats.captures = 0, s.stats.capture_ms = 0;
   s.painter->begin(camera, s.placed, time);
   const bool followed = s.warps;
@@ -307,13 +335,19 @@ Result<> KeyframeFrames::draw(const Camera& camera, double time) {
   if (Result<> done = s.painter->draw(content); !done) return done;
   if (s.cheaper) s.painter->finish();
   s.shares.tiles_ms = tiles.ms();
+  if (s.warps && !s.made_now) {
+    // Beside frames this thread draws alone, and waits for them.
+    s.note_besides(beside_frames() ? processor.ms() / threads_of_frames() : all.ms());
+  }
   if (s.any_still && way != CheaperWay::Way::polygons) {
     // Beside polygons nobody asked for the keyframes at hand.
     if (!s.warps) {
       if (!s.making_beside) s.producer->forget();
       if (!followed) (void)s.producer->follow(camera, time);
     }
-    if (Result<> done = s.producer->work(s.shares.fill_ms, s.allowed_ms); !done) return done;
+    const Result<> done =
+        s.producer->work(s.shares.fill_ms, s.allowed_ms, s.warps ? s.share_ms() : 0);
+    if (!done) return done;
   }
   s.making_beside = way == CheaperWay::Way::both;
 
@@ -354,6 +388,8 @@ Result<> KeyframeFrames::draw_objects() {
 
 void KeyframeFrames::allow_keyframe_ms(double ms) { state_->allowed_ms = ms; }
 
+void KeyframeFrames::set_pace(double ms) { state_->pace_ms = ms; }
+
 Result<> KeyframeFrames::prepare(const Camera& camera, double time, bool anew, double allowed_ms) {
   State& s = *state_;
   if (!s.any_still) return Done{};
@@ -388,7 +424,11 @@ void KeyframeFrames::reserve(const Camera& camera, double time) {
 
 bool KeyframeFrames::any() const { return state_->producer->any(); }
 
-double KeyframeFrames::frames_for_one() const { return state_->producer->frames_for_one(); }
+double KeyframeFrames::least_frames_for_one() const {
+  const KeyframeFramesOptions& options = state_->options;
+  return options.keyframe_share > 0 ? options.keyframes.interval
+                                    : state_->producer->frames_for_one();
+}
 
 Result<> KeyframeFrames::look_from(const Camera& camera, double time) {
   State& s = *state_;
