@@ -27,10 +27,9 @@ constexpr double kFarLess = 1 / 3.0;
 // by 0.44 to 1.3. And the frames in a row until that is believed.
 constexpr double kSurelyLess = 0.7;
 constexpr int kBelieved = 12;
-// What may be left of the loss of the first one alone with a second one, and of that of the first
-// two with a third one: frames are allowed more keyframes than those before. Along four flights at
-// a person's speed 0.4 to 0.75, and 0.3 to 0.9.
-constexpr double kOfSecond = 0.6, kOfThird = 0.85;
+// What may be left of the loss of the first one alone with a second one: along four flights at a
+// person's speed 0.4 to 0.85.
+constexpr double kOfSecond = 0.6;
 // By how much less is filled between later keyframes than between the first two: 0.3 to 0.9 along
 // five walks.
 constexpr double kLessFilled = 0.5;
@@ -144,8 +143,6 @@ bool good_beside_cache(double loss_db, std::optional<double> cache_loss_db, doub
   if (cache_loss_db) *cache_loss_db -= kAsGoodDb;
   return good_enough(loss_db, cache_loss_db, (sure ? 1 : kCertainly) * allowed_db);
 }
-
-double loss_when_settled(double loss_db, bool young) { return (young ? kOfThird : 1) * loss_db; }
 
 double ms_when_settled(double ms, double fill_ms, bool young) {
   return young ? ms - kLessFilled * std::min(fill_ms, ms) : ms;

@@ -91,9 +91,9 @@ class KeyframesDoubt {
 };
 
 // Will frames from two keyframes lose more than is allowed? `loss_db` is the loss of frames from
-// the first one alone, which a second one has made smaller by a third at most; `cache_loss_db` that
-// of the cache's frame at the same time (none: not known). `drew`: keyframes have drawn before, so
-// that more is known of them than what was looked at now.
+// the first one alone, which a second one has made smaller by two fifths, mostly; `cache_loss_db`
+// that of the cache's frame at the same time (none: not known). `drew`: keyframes have drawn
+// before, so that more is known of them than what was looked at now.
 [[nodiscard]] bool first_is_hopeless(double loss_db, std::optional<double> cache_loss_db,
                                      double allowed_db, bool drew);
 
@@ -109,9 +109,6 @@ class KeyframesDoubt {
 // what was looked at is one frame, which suffices where the cache is bad, too.
 [[nodiscard]] bool good_beside_cache(double loss_db, std::optional<double> cache_loss_db,
                                      double allowed_db, bool drew);
-
-// What frames of keyframes will lose, dB, where they lose that. `young`: there is no third one yet.
-[[nodiscard]] double loss_when_settled(double loss_db, bool young);
 
 // What frames of keyframes will take, where one took `ms` and `fill_ms` of that for holes: between
 // the first two there are more of these than there will be. `young`: there is no third one yet.

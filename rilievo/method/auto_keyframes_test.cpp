@@ -116,18 +116,6 @@ TEST(AutoKeyframes, the_first_one_is_judged_no_more_strictly_than_two_are) {
   EXPECT_FALSE(first_is_hopeless(4.8, 0.3, 4, true));
 }
 
-// Two that were made at once are farther apart than later ones: what park-fly and bim-fly lost then
-// is as much as the cache, and what rabbits-inside lost is more, as it lost later (8.4 and more).
-TEST(AutoKeyframes, two_lose_more_than_three) {
-  const auto good = [](double loss_db, double cache_db) {
-    return good_beside_cache(loss_when_settled(loss_db, true), cache_db, 4, false);
-  };
-  EXPECT_TRUE(good(5.2, 4.7));
-  EXPECT_TRUE(good(5.2, 5.0));
-  EXPECT_FALSE(good(7.9, 6.1));
-  EXPECT_EQ(loss_when_settled(5.2, false), 5.2);
-}
-
 // One look at what nobody has seen must show that it is certainly good, unless the cache is bad.
 TEST(AutoKeyframes, they_must_certainly_be_good_before_they_draw) {
   EXPECT_TRUE(good_beside_cache(2.7, {}, 4, false));

@@ -42,9 +42,6 @@ bool AutoFrames::keyframes_known() const {
 bool AutoFrames::keyframes_good_enough(double loss_db) const {
   // There will be a second one, and the wait for it is short.
   if (first_alone_) return !first_is_hopeless(loss_db, std::nullopt, options_.loss_db, true);
-  // What was refused is not hoped for again, nor what gets no more time than the first ones.
-  const bool hopes = options_.keyframe_ms == 0 && loss_[kKeyframes].refusals == 0;
-  loss_db = loss_when_settled(loss_db, hopes && young_keyframes_ > 0);
   if (decision_->draws() != kKeyframes)
     return good_beside_cache(loss_db, cache_loss_, options_.loss_db, keyframes_known());
   // What draws is not left for the noise of a look, nor soon for a cache that nobody has seen: it
