@@ -7,9 +7,10 @@ namespace rilievo {
 // While one lives, the parallel_for calls of its thread run on this thread alone.
 class OnThisThread {
  public:
+  // Frames run on the threads of this thread's TBB arena.
   OnThisThread();
-  // The same of a thread that knows nothing of frames, which run on so many threads.
-  explicit OnThisThread(int threads);
+  // Frames run on `frame_threads` threads, which another thread knows.
+  explicit OnThisThread(int frame_threads);
   ~OnThisThread();
   OnThisThread(const OnThisThread&) = delete;
   OnThisThread& operator=(const OnThisThread&) = delete;
@@ -19,7 +20,7 @@ class OnThisThread {
   int threads_before_;
 };
 
-// Does one live?
+// Does an OnThisThread live on this thread, so that it works beside those that draw frames?
 [[nodiscard]] bool beside_frames();
 
 // On how many threads the parallel_for calls of this thread run at the same time, at most: one

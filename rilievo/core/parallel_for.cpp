@@ -49,9 +49,9 @@ void parallel_for(std::size_t count, void (*piece)(const void*, std::size_t), co
 namespace rilievo {
 
 OnThisThread::OnThisThread() : OnThisThread(threads_of_frames()) {}
-OnThisThread::OnThisThread(int threads)
+OnThisThread::OnThisThread(int frame_threads)
     : before_(detail::on_this_thread), threads_before_(detail::threads_besides) {
-  detail::on_this_thread = true, detail::threads_besides = threads;
+  detail::on_this_thread = true, detail::threads_besides = frame_threads;
 }
 OnThisThread::~OnThisThread() {
   detail::on_this_thread = before_, detail::threads_besides = threads_before_;

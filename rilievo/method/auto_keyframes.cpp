@@ -27,9 +27,9 @@ constexpr double kFarLess = 1 / 3.0;
 // by 0.44 to 1.3. And the frames in a row until that is believed.
 constexpr double kSurelyLess = 0.7;
 constexpr int kBelieved = 12;
-// What may be left of the loss of the first one alone with a second one: along four flights at a
-// person's speed 0.4 to 0.85.
-constexpr double kOfSecond = 0.6;
+// What later keyframes may leave of the loss of the first one alone: along four flights at a
+// person's speed 0.2 to 0.6.
+constexpr double kOfLater = 0.6;
 // By how much less is filled between later keyframes than between the first two: 0.3 to 0.9 along
 // five walks.
 constexpr double kLessFilled = 0.5;
@@ -130,7 +130,7 @@ bool KeyframesDoubt::add(double drawn_ms, double keyframes_ms) {
 bool first_is_hopeless(double loss_db, std::optional<double> cache_loss_db, double allowed_db,
                        bool drew) {
   if (loss_db > kMostTimes * allowed_db) return true;
-  return cache_loss_db && !good_beside_cache(kOfSecond * loss_db, cache_loss_db, allowed_db, drew);
+  return cache_loss_db && !good_beside_cache(kOfLater * loss_db, cache_loss_db, allowed_db, drew);
 }
 
 std::optional<double> least_loss(std::optional<double> a, std::optional<double> b) {

@@ -90,10 +90,10 @@ class KeyframesDoubt {
   int frames_ = 0;
 };
 
-// Will frames from two keyframes lose more than is allowed? `loss_db` is the loss of frames from
-// the first one alone, which a second one has made smaller by two fifths, mostly; `cache_loss_db`
-// that of the cache's frame at the same time (none: not known). `drew`: keyframes have drawn
-// before, so that more is known of them than what was looked at now.
+// Will frames from more keyframes lose more than is allowed? `loss_db` is the loss of frames from
+// the first one alone, of which later ones leave three fifths at most; `cache_loss_db` that of the
+// cache's frame at the same time (none: not known). `drew`: keyframes have drawn before, so that
+// more is known of them than what was looked at now.
 [[nodiscard]] bool first_is_hopeless(double loss_db, std::optional<double> cache_loss_db,
                                      double allowed_db, bool drew);
 

@@ -101,8 +101,8 @@ TEST(AutoKeyframes, the_first_one_is_judged_beside_the_cache) {
   EXPECT_FALSE(first_is_hopeless(7.1, {}, 4, false));
 }
 
-// With a second one three fifths of the loss may be left: the first one may lose that much more
-// than two may (below), as they are judged.
+// Later ones may leave three fifths of the loss: the first one may lose that much more than two may
+// (below), as they are judged.
 TEST(AutoKeyframes, the_first_one_is_judged_no_more_strictly_than_two_are) {
   for (const bool drew : {false, true})
     for (double cache = -2; cache < 9; cache += 0.25)

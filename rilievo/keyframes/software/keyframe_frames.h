@@ -42,17 +42,17 @@ struct KeyframeFramesOptions {
   // (torn_blocks.h).
   double gap_px = 4;
   NearObjectsOptions near;  // what is drawn as polygons because it is near; by the rasteriser only
-  // With a limit of time: of what frames take besides, keyframes may take this share if that is
-  // more. Nearer keyframes leave less to fill: along nine walks frames took 0.88 to 1.15 times as
-  // long with 24 ms for them instead of 8, and were up to 3 dB nearer to the truth
-  // (bench/results/keyframes.md).
+  // With a limit of time: a frame spends this share of the time of the rest of its work on
+  // keyframes, if that is more than the limit. 0: the limit alone. Nearer keyframes leave less to
+  // fill: along nine walks frames took 0.88 to 1.15 times as long with 24 ms for them instead of 8,
+  // and were up to 3 dB nearer to the truth (bench/results/keyframes.md).
   double keyframe_share = 0;
   // With a limit of time, are whole frames polygons where these take less?
   bool polygons_where_cheaper = true;
 };
 
-// Takes the usual time for keyframes, where nobody asked for one and frames are shown as soon as
-// they are there: 8 ms of a frame, or kKeyframeShare.
+// The time of a frame for keyframes where none was asked for and frames are drawn in real time:
+// kKeyframeMs, or kKeyframeShare of the rest of the frame if that is more.
 inline constexpr double kKeyframeMs = 8, kKeyframeShare = 0.6;
 inline void take_usual_time(KeyframeFramesOptions& options) {
   options.keyframes.keyframe_ms = kKeyframeMs, options.keyframe_share = kKeyframeShare;
@@ -98,8 +98,8 @@ class KeyframeFrames final : public FrameSource {
   // From the next frame on, a frame may spend `ms` on a part of a keyframe, or what its options
   // allow if that is more. 0, the default: what its options allow.
   void allow_keyframe_ms(double ms);
-  // Frames are to take `ms`: keyframes get no larger share than leaves them that. 0, the default:
-  // no such limit.
+  // A frame is to take at most `ms`: keyframe_share becomes smaller where it would take longer,
+  // keyframe_ms does not. 0, the default: no such limit.
   void set_pace(double ms);
   // Beside a frame that something else draws: makes a part of a keyframe, in at most `allowed_ms`
   // if that is more than others take. `anew`: this is the first such frame for some time, and
@@ -114,8 +114,8 @@ class KeyframeFrames final : public FrameSource {
   void reserve(const Camera& camera, double time);
   // Is there a keyframe to look from?
   [[nodiscard]] bool any() const;
-  // How many frames the next one is expected to take; with a share of frames, which are not known
-  // yet, at least.
+  // How many frames the next keyframe takes at least: its interval with a keyframe_share, since the
+  // time of frames may not be known yet; else what it is expected to take.
   [[nodiscard]] double least_frames_for_one() const;
   // Warps for another eye, for sample_loss() alone. Requires a keyframe. Fails where memory does
   // not suffice.
