@@ -30,8 +30,9 @@ constexpr double kAsMuch = 0.7;
 // Else to return to what captures must be likely to take at most this share of what draws: its
 // first frame takes several times as long, which a small gain never pays for.
 constexpr double kWorthReturning = 0.85;
-// And it is left for a gain of so much.
-constexpr double kWorthLeaving = 0.1;
+// And it is left for a gain of so much; but after a trial of what takes so much of its time, at
+// most, there is no return.
+constexpr double kWorthLeaving = 0.1, kWorthStaying = 1.0;
 constexpr int kWarmsUpLong = AutoTrials::kWarmsUpLong;
 
 int gap_after(int fails, bool close) {
@@ -224,6 +225,14 @@ void AutoDecision::begin_trial(int of, std::span<const AutoOutlook> outlook) {
   trials_.begin(of, candidates_[std::size_t(of)].warm_up, plausible(of, outlook[std::size_t(of)]));
 }
 
+// May what was tried, and took that, go on? What is dear to return to must be worth a return: the
+// first frames of that take several times as long, and another change would follow.
+bool AutoDecision::may_replace(double ms, int tried, double drawing_ms) const {
+  if (better(ms, tried, drawing_ms, draws_)) return true;
+  const bool returns = candidates_[std::size_t(draws_)].warm_up >= kWarmsUpLong;
+  return returns && pace_ms_ == 0 && !tried_in_warm_up_ && ms < kWorthStaying * drawing_ms;
+}
+
 // What was tried draws from now on, or its trial has failed.
 void AutoDecision::end_trial(std::span<const AutoOutlook> outlook) {
   const int tried = trials_.method();
@@ -239,7 +248,7 @@ void AutoDecision::end_trial(std::span<const AutoOutlook> outlook) {
   cost.measured += cost.frames;
   cost.recent.set(cost.mean_ms, cost.frames), cost.dear.forget();
   const double drawing_ms = (tried_in_warm_up_ ? kPlainlyWorth : 1) * drawing.mean_ms;
-  if (now.ready && now.good_enough && better(cost.mean_ms, tried, drawing_ms, draws_) &&
+  if (now.ready && now.good_enough && may_replace(cost.mean_ms, tried, drawing_ms) &&
       comparable(cost.mean_ms, tried, outlook)) {
     change(tried);
     reason_ = AutoReason::cheapest;

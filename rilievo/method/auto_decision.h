@@ -163,6 +163,7 @@ class AutoDecision {
   [[nodiscard]] AutoChoice explain(std::span<const AutoOutlook> outlook) const;
   void change(int to);
   void begin_trial(int of, std::span<const AutoOutlook> outlook);
+  [[nodiscard]] bool may_replace(double ms, int tried, double drawing_ms) const;
   void end_trial(std::span<const AutoOutlook> outlook);
   [[nodiscard]] bool comparable(double ms, int i, std::span<const AutoOutlook> outlook) const;
   [[nodiscard]] double over_guess(double ms) const;

@@ -27,18 +27,25 @@ TEST(AutoDecision, what_warms_up_for_long_is_not_tried_again_where_it_gains_litt
   EXPECT_GT(drawn_again(16), 25);
 }
 
-TEST(AutoDecision, what_warms_up_for_long_is_left_for_a_gain_alone) {
-  const auto by_direct = [](double direct_ms) {
+// A trial of what takes no more has left it already: to return would capture, and be a change.
+TEST(AutoDecision, what_warms_up_for_long_is_not_returned_to_for_nothing) {
+  double changes = 0;
+  const auto by_direct = [&](double direct_ms) {
     int frames = 0;
-    for (int seed = 1; seed <= 20; ++seed)
-      frames += walk({{{"direct", 0}, always(direct_ms)}, {{"cache", 1, 12}, always(30), 0, 1.5}},
-                     1, 600, 0, std::uint32_t(seed))
-                    .drawn[0];
+    changes = 0;
+    for (int seed = 1; seed <= 20; ++seed) {
+      const Walk one =
+          walk({{{"direct", 0}, always(direct_ms)}, {{"cache", 1, 12}, always(30), 0, 1.5}}, 1, 600,
+               0, std::uint32_t(seed));
+      frames += one.drawn[0], changes += one.changes / 20.0;
+    }
     return frames / 20;
   };
-  EXPECT_LT(by_direct(30), 100);
-  EXPECT_LT(by_direct(28.4), 150);  // it may be chance
-  EXPECT_GT(by_direct(26), 500);
+  EXPECT_LT(by_direct(31.5), 80);
+  for (const double direct_ms : {29.7, 28.4, 26.0}) {
+    EXPECT_GT(by_direct(direct_ms), 500) << direct_ms;
+    EXPECT_LT(changes, 4) << direct_ms;
+  }
 }
 
 // As in scan-orbit, whose cache was tried in the 233rd frame: its first one captured, and took four
