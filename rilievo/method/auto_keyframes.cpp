@@ -1,6 +1,7 @@
 #include "rilievo/method/auto_keyframes.h"
 
 #include <algorithm>
+#include <functional>
 #include <iterator>
 #include <utility>
 
@@ -49,12 +50,34 @@ Result<std::optional<double>> loss_from(const Camera& camera, double time, Keyfr
   return loss_of(frames, kLooks);
 }
 
+// Makes parts of keyframes beside the frames until that is `enough`. `anew`: those that `frames`
+// has are of some time ago.
+Result<> make_parts(SharedEye& eye, bool anew, KeyframeFrames& frames,
+                    const std::function<bool()>& enough) {
+  for (int frame = 0; frame < kMostFrames; ++frame) {
+    const std::optional<SharedEye::Posted> posted = eye.next();
+    if (!posted) return Done{};
+    const std::vector<double> way = way_to_frame(posted->frames, kParts, anew);
+    for (std::size_t i = 0; i < way.size(); ++i) {
+      const Camera camera = posted->eye.after(way[i]);
+      if (i + std::size_t(kParts) < way.size()) {
+        frames.follow(camera, posted->time);
+        continue;
+      }
+      if (Result<> done = frames.prepare(camera, posted->time, anew); !done) return done;
+      anew = false;
+      if (enough()) return Done{};
+    }
+  }
+  return Done{};
+}
+
 }  // namespace
 
 void SharedEye::post(const EyePrediction& eye, double time) {
   {
     const std::lock_guard lock(mutex_);
-    posted_ = {eye, time, posted_ ? posted_->frames + 1 : 1};
+    posted_ = latest_ = {eye, time, posted_ ? posted_->frames + 1 : 1};
   }
   changed_.notify_all();
 }
@@ -66,9 +89,14 @@ std::optional<SharedEye::Posted> SharedEye::next() {
   return std::exchange(posted_, std::nullopt);
 }
 
+std::optional<SharedEye::Posted> SharedEye::latest() {
+  const std::lock_guard lock(mutex_);
+  return latest_;
+}
+
 void SharedEye::forget() {
   const std::lock_guard lock(mutex_);
-  posted_.reset();
+  posted_.reset(), latest_.reset();
 }
 
 void SharedEye::end() {
@@ -88,23 +116,13 @@ std::vector<double> way_to_frame(int frames, int parts, bool anew) {
 }
 
 Result<> prepare_keyframes(SharedEye& eye, KeyframeFrames& frames) {
-  bool anew = true;
-  for (int frame = 0; frame < kMostFrames && (anew || !frames.prepared()); ++frame) {
-    const std::optional<SharedEye::Posted> posted = eye.next();
-    if (!posted) return Done{};
-    const std::vector<double> way = way_to_frame(posted->frames, kParts, anew);
-    for (std::size_t i = 0; i < way.size(); ++i) {
-      const Camera camera = posted->eye.after(way[i]);
-      if (i + std::size_t(kParts) < way.size()) {
-        frames.follow(camera, posted->time);
-        continue;
-      }
-      if (Result<> done = frames.prepare(camera, posted->time, anew); !done) return done;
-      anew = false;
-      if (frames.prepared()) break;
-    }
-  }
-  return Done{};
+  return make_parts(eye, true, frames, [&] { return frames.prepared(); });
+}
+
+Result<> make_next_keyframe(SharedEye& eye, KeyframeFrames& frames) {
+  const std::uint64_t made = frames.made();
+  return make_parts(eye, false, frames,
+                    [&] { return frames.made() > made || !frames.makes_one(); });
 }
 
 void follow_way(const EyePrediction& eye, double time, KeyframeFrames& frames) {
@@ -183,8 +201,7 @@ std::optional<double> loss_of(KeyframeFrames& frames, int looks) {
   return sampled ? std::optional(without_own_noise(*sampled)) : std::nullopt;
 }
 
-Audition audition_keyframes(const ShownFrame& shown, const EyePrediction& eye,
-                            KeyframeFrames& frames) {
+Audition audition_keyframes(const ShownFrame& shown, SharedEye& eye, KeyframeFrames& frames) {
   Audition found;
   FrameLoss of_cache(&frames.rays());
   found.cache_loss_db = cache_loss(shown, &of_cache);
@@ -195,7 +212,9 @@ Audition audition_keyframes(const ShownFrame& shown, const EyePrediction& eye,
   frames.forget_loss();
   for (int i = 0; i < kMostAuditions && !found.loss_db; ++i)
     found.loss_db = loss_of(frames, kAuditionLosses);
-  const Result<std::optional<double>> ahead = loss_ahead(eye, shown.time, frames);
+  const std::optional<SharedEye::Posted> latest = eye.latest();
+  if (!latest) return found;
+  const Result<std::optional<double>> ahead = loss_ahead(latest->eye, latest->time, frames);
   if (found.loss_db && ahead && *ahead) found.loss_db = std::max(*found.loss_db, **ahead);
   return found;
 }

@@ -29,7 +29,9 @@ class SharedEye {
   void post(const EyePrediction& eye, double time);
   // Waits for a frame that was not yet taken. None: no frame will come.
   [[nodiscard]] std::optional<Posted> next();
-  // Forgets a frame that was not taken.
+  // The last one, whether it was taken or not. None: no frame was drawn since the last forget().
+  [[nodiscard]] std::optional<Posted> latest();
+  // Forgets the frames so far.
   void forget();
   // No frame will come.
   void end();
@@ -37,13 +39,17 @@ class SharedEye {
  private:
   std::mutex mutex_;
   std::condition_variable changed_;
-  std::optional<Posted> posted_;
+  std::optional<Posted> posted_, latest_;
   bool ended_ = false;
 };
 
 // Makes keyframes for the eye until there are enough to begin with, or some seconds long; those
 // that `frames` has are of an eye some time ago. Fails where a capture does.
 [[nodiscard]] Result<> prepare_keyframes(SharedEye& eye, KeyframeFrames& frames);
+
+// Makes one more, beside the frames, too: those that `frames` has are left behind while they are
+// looked at. Of an eye that stands there is none to come. Fails where a capture does.
+[[nodiscard]] Result<> make_next_keyframe(SharedEye& eye, KeyframeFrames& frames);
 
 // Where the eye was, in frames before the one that is shown, `frames` after the last one that was
 // taken: places that keyframes follow, and in the last `parts` of which they are made. They predict
@@ -143,9 +149,10 @@ inline constexpr double kSoonAside = 24, kLongAside = 64;
 // KeyframeFrames::sample_loss() of so many looks, without the noise of its own truth.
 [[nodiscard]] std::optional<double> loss_of(KeyframeFrames& frames, int looks);
 
-// Draws a frame for the eye of the one that is shown, and looks ahead, too: the larger loss counts.
-// How good the cache is the same rays say: what moves must be left out of `shown`.
-[[nodiscard]] Audition audition_keyframes(const ShownFrame& shown, const EyePrediction& eye,
+// Draws a frame for the eye of the one that is shown, and looks ahead of where the eye is by then,
+// too: the larger loss counts. How good the cache is the same rays say: what moves must be left out
+// of `shown`.
+[[nodiscard]] Audition audition_keyframes(const ShownFrame& shown, SharedEye& eye,
                                           KeyframeFrames& frames);
 
 }  // namespace rilievo

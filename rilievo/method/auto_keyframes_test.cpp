@@ -1,5 +1,8 @@
 #include "rilievo/method/auto_keyframes.h"
 
+#include <chrono>
+#include <thread>
+
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -348,6 +351,55 @@ TEST(AutoKeyframes, frames_that_go_by_send_no_keyframe_farther_ahead) {
     EXPECT_LT(ahead, 1.05 * kAhead) << now;
     EXPECT_GT(ahead, kAhead / 3.0 - 1) << now;
   }
+}
+
+// While two are looked at the eye goes on, and leaves them behind.
+TEST(AutoKeyframes, one_more_is_made_for_an_eye_that_has_gone_on) {
+  const auto built = make_builtin("builtin:stonehenge?triangles=20000");
+  ASSERT_TRUE(built.ok());
+  KeyframeFramesOptions options;
+  options.polygons_where_cheaper = false;
+  options.keyframes.interval = 6;
+  const auto frames = KeyframeFrames::create(built->scene, options);
+  ASSERT_TRUE(frames.ok());
+  const auto camera = [&](int i) {
+    return camera_at(built->path, frame_time(built->path, i), 160, 90);
+  };
+  EyePrediction eye;
+  int frame = 0;
+  const auto go_on = [&] { eye.follow(camera(frame)), ++frame; };
+  for (go_on(); !(*frames)->prepared(); go_on())
+    ASSERT_TRUE((*frames)->prepare(camera(frame), 0, frame == 1).ok());
+  const std::uint64_t two = (*frames)->made();
+  for (int i = 0; i < 24; ++i) go_on();
+  const Result<std::optional<double>> left_behind = loss_ahead(eye, 0, **frames);
+  ASSERT_TRUE(left_behind.ok() && *left_behind);
+  SharedEye shared;
+  EXPECT_FALSE(shared.latest());
+  const auto make = [&](bool moves) {
+    std::jthread poster([&](const std::stop_token& stop) {
+      for (int i = 0; i < 2000 && !stop.stop_requested(); ++i) {
+        if (moves && i < 40) go_on();
+        shared.post(eye, 0);
+        std::this_thread::sleep_for(std::chrono::milliseconds(2));
+      }
+    });
+    return make_next_keyframe(shared, **frames).ok();
+  };
+  ASSERT_TRUE(make(true));
+  EXPECT_EQ((*frames)->made(), two + 1);
+  ASSERT_TRUE(shared.latest());
+  const Result<std::optional<double>> loss = loss_ahead(shared.latest()->eye, 0, **frames);
+  ASSERT_TRUE(loss.ok() && *loss);
+  EXPECT_LT(**loss, **left_behind - 1);
+  // Of an eye that stands it makes one of its own, or none; it does not wait for ever.
+  EyePrediction stands;
+  for (int i = 0; i < 60; ++i) stands.follow(camera(frame));
+  eye = stands;
+  for (int i = 0; i < 4; ++i) EXPECT_TRUE(make(false));
+  EXPECT_TRUE((*frames)->prepared());
+  shared.forget();
+  EXPECT_FALSE(shared.latest());
 }
 
 // As in scan-orbit: their trial took 11.4 ms, 2.4 of it for holes, beside a cache of 12, and frames

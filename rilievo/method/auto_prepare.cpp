@@ -12,6 +12,23 @@ namespace {
 // all the time that preparing takes, for a short time.
 constexpr double kHurry = AutoDecision::kPlainlyWorth;
 
+// Are keyframes good enough, as far as one look says?
+bool is_good(const Audition& found, double allowed_db, bool known) {
+  return found.loss_db &&
+         good_beside_cache(*found.loss_db, found.cache_loss_db, allowed_db, known);
+}
+
+// Makes one more keyframe: what is warped from that and the one before loses where the eye is now.
+Result<> look_at_next(SharedEye& eye, KeyframeFrames& frames, Audition& found) {
+  if (Result<> made = make_next_keyframe(eye, frames); !made) return made;
+  const std::optional<SharedEye::Posted> latest = eye.latest();
+  if (!latest) return Done{};
+  const Result<std::optional<double>> loss_db = loss_ahead(latest->eye, latest->time, frames);
+  if (!loss_db) return loss_db.error();
+  if (*loss_db) found.loss_db = *loss_db;
+  return Done{};
+}
+
 }  // namespace
 
 // What takes that time, beside what draws, or beside direct drawing until that is known?
@@ -152,19 +169,24 @@ void AutoFrames::show(const Camera& camera, double time, int drawn_by) {
 
 void AutoFrames::look_at_prepared() {
   // What the cache lost with another error, or elsewhere, is not compared.
-  if (made_.jumped || made_.error_px != options_.error_px) made_.found = {};
+  if (std::exchange(made_.jumped, false) || made_.error_px != options_.error_px) made_.found = {};
   stage_ = Preparing::looked_at;
   prepared_ = false;
   beside_->run(
-      [this, method = preparing_, error_px = options_.error_px, loss_db = options_.loss_db] {
+      [this, method = preparing_, error_px = options_.error_px, loss_db = options_.loss_db,
+       known = keyframes_known(), by_frames = made_.by_frames] {
         const ShownFrame& shown = made_.shown;
         if (method == kRays) made_.found = audition_rays(shown, backend_.samples(), **made_.rays);
         if (method == kLevels)
           made_.found = audition_levels(shown, error_px, loss_db, losses_.get(), made_.levels);
         if (method == kKeyframes) {
           const std::optional<double> beside_first = made_.found.cache_loss_db;
-          made_.found = audition_keyframes(shown, made_.eye, *prepared_keyframes());
+          KeyframeFrames& frames = *prepared_keyframes();
+          made_.found = audition_keyframes(shown, shared_eye_, frames);
           made_.found.cache_loss_db = least_loss(beside_first, made_.found.cache_loss_db);
+          // Frames that make a third one are slower, and sooner draw by them.
+          if (!by_frames && is_good(made_.found, loss_db, known))
+            made_.failed = !look_at_next(shared_eye_, frames, made_.found);
         }
         prepared_ = true;
       });
@@ -218,7 +240,11 @@ Result<> AutoFrames::adopt() {
   if (method == kKeyframes) {
     young_keyframes_ = kKeyframesDwell;
     keyframes_seen_ = frame_, keyframes_again_ = frame_ + kKeyframesAgain;
-    if (made_.failed) keyframes_ = nullptr, loss_[method] = {}, frames_[method].reset();
+    // While they were looked at: they, and what they lose, are of elsewhere.
+    if (made_.jumped)
+      loss_[method].db.reset(), keyframes_seen_ -= kKeyframesLast + 1, keyframes_again_ = frame_;
+    if (made_.failed)
+      keyframes_ = nullptr, loss_[method] = {}, frames_[method].reset(), made_.keyframes.reset();
   }
   if (method == kKeyframes && made_.keyframes) {
     keyframes_ = made_.keyframes.get();

@@ -454,6 +454,10 @@ void KeyframeFrames::forget_loss() {
 
 const RayScene& KeyframeFrames::rays() const { return state_->rays; }
 
+std::uint64_t KeyframeFrames::made() const { return state_->producer->made(); }
+
+bool KeyframeFrames::makes_one() const { return state_->producer->makes_one(); }
+
 bool KeyframeFrames::prepared() const { return !state_->any_still || state_->producer->has_all(); }
 
 const SoftwareTarget* KeyframeFrames::software_target() const { return state_->painter->target(); }

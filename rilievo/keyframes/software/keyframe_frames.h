@@ -122,6 +122,9 @@ class KeyframeFrames final : public FrameSource {
   Result<> look_from(const Camera& camera, double time);
   // Are there keyframes to begin with?
   [[nodiscard]] bool prepared() const;
+  // How many keyframes there were; and is one being made?
+  [[nodiscard]] std::uint64_t made() const;
+  [[nodiscard]] bool makes_one() const;
 
   // Looks at some pixels of the last frame, `looks` times SampledLoss::kPixels, if it was warped:
   // by how many dB what was warped is farther from the truth than direct drawing
