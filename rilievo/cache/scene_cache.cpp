@@ -272,6 +272,7 @@ void SceneCache::follow_options() {
   policy_.error_px = options_.error_px;
   policy_.gap_px = options_.gap_px;
   policy_.spikes.late = std::max(1.0, options_.late);
+  policy_.spikes.catch_up = options_.catch_up;
   policy_.fade_frames = options_.fade_frames;
   set_budget();
 }

@@ -35,6 +35,8 @@ constexpr double kNewestOff = 0.2, kMostOffOfTrial = 2;
 constexpr int kFirstCaptures = 5;
 // Keyframes leave frames this share of what keeps the pace: parts of them are not of equal time.
 constexpr double kWithinPace = 0.95;
+// Pictures that no frame was drawn from for more frames are mostly of no use.
+constexpr int kPicturesLast = 60;
 // With OpenGL frames overlap: one in so many is waited for, to be timed.
 constexpr int kTimedFrames = 8;
 
@@ -171,6 +173,14 @@ bool AutoFrames::as_large_as_shown(const Camera& camera) const {
   return shown_camera_.width == camera.width && shown_camera_.height == camera.height;
 }
 
+// Pictures of some frames ago may be late: what fades out over them hides it.
+void AutoFrames::let_cache_catch_up(const Camera& camera, bool draws) {
+  if (draws && drawn_by_ != kCache) catches_up_ = frame_ - cache_drawn_ <= kPicturesLast;
+  if (draws) cache_drawn_ = frame_;
+  const bool fades = !eye_.jumped() && as_large_as_shown(camera);
+  shared_chooser_->options().catch_up = draws && catches_up_ && fades ? fade_.left() : 0;
+}
+
 // What another method showed in the last frame fades out.
 void AutoFrames::fade(const Camera& camera) {
   const SoftwareTarget* now = active_->software_target();
@@ -227,6 +237,7 @@ Result<> AutoFrames::draw(const Camera& camera, double time) {
   // By counts the methods are direct drawing and the cache, whose frames keep to what they say.
   const bool changes = std::exchange(refined_, false) || choice.draws != drawn_by_;
   if (options_.by_clock && frame_ > 1 && changes && shown_) begin_fade(choice.draws);
+  let_cache_catch_up(camera, choice.draws == kCache);
   drawn_by_ = choice.draws;
   shared_chooser_->use_cache(choice.draws == kCache);
   active_ = frames_[choice.draws == kCache ? kDirect : choice.draws].get();

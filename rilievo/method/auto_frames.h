@@ -148,6 +148,7 @@ class AutoFrames final : public FrameSource {
   }
   [[nodiscard]] bool as_large_as_shown(const Camera& camera) const;
   void begin_fade(int to);
+  void let_cache_catch_up(const Camera& camera, bool draws);
   void fade(const Camera& camera);
   void show(const Camera& camera, double time, int drawn_by);
   void look_at_prepared();
@@ -196,6 +197,8 @@ class AutoFrames final : public FrameSource {
   } loss_[kMethods];
   double off_[kMethods] = {1, 1, 1, 1, 1};  // times as much as its model says; 1: not measured
   std::optional<double> cache_loss_;        // none: not known
+  int cache_drawn_ = -1000;                 // the last frame that it drew
+  bool catches_up_ = false;                 // its pictures do, since it draws again
   std::unique_ptr<FrameLoss> losses_;       // of the other thread, while something is prepared
   std::optional<FrameLoss> looks_;          // at levels that draw, by the same rays
   std::optional<PieceLoss> pieces_;         // of levels, where rays do not know the scene

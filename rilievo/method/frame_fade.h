@@ -36,6 +36,8 @@ class FrameFade final : private TileDrawer {
   void begin(const SoftwareTarget& shown, const Camera& camera, int frames = kFrames);
   void end() { left_ = 0; }
   [[nodiscard]] bool goes_on() const { return left_ > 0; }
+  // The share of its frames that are to come.
+  [[nodiscard]] double left() const { return double(left_) / of_; }
   // The frames that were mixed, of a fade that goes on. What fades out is nearly all that they show
   // after a few: to fade back takes no more frames than that.
   [[nodiscard]] int mixed() const { return of_ - left_; }

@@ -156,7 +156,7 @@ const PlanScratch::Checked& FramePlanner::check(std::uint32_t slot) {
       return false;
     return bound_px <= factor * limit && gap_px <= factor * gap_limit;
   };
-  if (!holds_at(0, late_factor(options_)) || (object && object->polygons_only)) {
+  if (!holds_at(0, late_at_hand(options_)) || (object && object->polygons_only)) {
     checked.now_px = INFINITY;
     return checked;
   }

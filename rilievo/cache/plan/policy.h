@@ -18,6 +18,7 @@
 // gives the same plan. A steady state does not allocate.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <limits>
@@ -120,9 +121,13 @@ struct CacheOptions {
 [[nodiscard]] inline bool captures_beside(const CacheOptions& options) {
   return options.capture_cost < std::numeric_limits<double>::infinity();
 }
-// The factor by which bounds may exceed their limits.
+// The factor by which bounds may exceed their limits when a capture is done.
 [[nodiscard]] inline double late_factor(const CacheOptions& options) {
   return captures_beside(options) ? options.spikes.late : 1;
+}
+// And those of a picture at hand.
+[[nodiscard]] inline double late_at_hand(const CacheOptions& options) {
+  return std::max(late_factor(options), 1 + options.spikes.catch_up * (options.spikes.late - 1));
 }
 
 // Options for captures by the SIMD rasteriser (render/raster/raster_picture.h), with the pass over

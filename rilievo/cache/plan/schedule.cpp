@@ -29,9 +29,11 @@ constexpr std::uint64_t kMaxFadedTriangles = 10'000;  // begun in one frame
 
 // What a frame's captures may cost, in the units of their estimates: drawn triangles.
 double FramePlanner::capture_budget() const {
-  const double least = double(options_.capture_triangles) * options_.cost.capture_triangle;
-  if (options_.spikes.max_spike > 0) return std::min(least, limit_.capture_room);
-  return std::max(least, options_.capture_share * cost_at_hand_);
+  const double least = double(options_.capture_triangles) * options_.cost.capture_triangle,
+               budget = options_.spikes.max_spike > 0
+                            ? std::min(least, limit_.capture_room)
+                            : std::max(least, options_.capture_share * cost_at_hand_);
+  return options_.spikes.catch_up > 0 ? std::min(budget, kCatchUpShare * cost_at_hand_) : budget;
 }
 
 // Makes room for `bytes` by dropping pictures that this frame does not need, the longest unused

@@ -41,7 +41,14 @@ struct SpikePolicy {
   // their limits by this factor, at least 1. Beyond it, something else stands for the picture's
   // objects, mostly the coarse picture.
   double late = 2;
+  // After frames that were drawn without the cache: the share of that lateness that pictures at hand
+  // may have, from 1 down to 0 over some frames, so that the first of these does not capture all
+  // that has become due meanwhile. What captures may cost is kCatchUpShare of what the frame costs
+  // without them.
+  double catch_up = 0;
 };
+
+inline constexpr double kCatchUpShare = 0.8;
 
 // A frame before its captures are chosen. Costs in triangles.
 struct FrameCosts {
