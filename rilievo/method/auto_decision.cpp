@@ -275,8 +275,9 @@ void AutoDecision::begin_frame(std::span<const AutoOutlook> outlook, bool jumped
   if (jumped) less_ = 0;
   ++since_change_;
   recent_changes_ = jumped ? 0 : kStaysRecent * recent_changes_;
-  // The frames of a warm-up are forgotten when it is over.
+  // The frames of a warm-up are forgotten when it is over. After a jump there is another.
   const int warm_up = candidates_[std::size_t(draws_)].warm_up;
+  if (jumped && warm_up >= kWarmsUpLong) since_change_ = 1;
   if (warm_up >= kWarmsUpLong && since_change_ == warm_up + 1)
     costs_[std::size_t(draws_)].frames = 0, costs_[std::size_t(draws_)].dear.forget();
   if (prepares_ >= 0 && !outlook[std::size_t(prepares_)].preparable) prepares_ = -1;

@@ -14,8 +14,7 @@ constexpr double kHurry = AutoDecision::kPlainlyWorth;
 
 // Are keyframes good enough, as far as one look says?
 bool is_good(const Audition& found, double allowed_db, bool known) {
-  return found.loss_db &&
-         good_beside_cache(*found.loss_db, found.cache_loss_db, allowed_db, known);
+  return found.loss_db && good_beside_cache(*found.loss_db, found.cache_loss_db, allowed_db, known);
 }
 
 // Makes one more keyframe: what is warped from that and the one before loses where the eye is now.
@@ -172,24 +171,23 @@ void AutoFrames::look_at_prepared() {
   if (std::exchange(made_.jumped, false) || made_.error_px != options_.error_px) made_.found = {};
   stage_ = Preparing::looked_at;
   prepared_ = false;
-  beside_->run(
-      [this, method = preparing_, error_px = options_.error_px, loss_db = options_.loss_db,
-       known = keyframes_known(), by_frames = made_.by_frames] {
-        const ShownFrame& shown = made_.shown;
-        if (method == kRays) made_.found = audition_rays(shown, backend_.samples(), **made_.rays);
-        if (method == kLevels)
-          made_.found = audition_levels(shown, error_px, loss_db, losses_.get(), made_.levels);
-        if (method == kKeyframes) {
-          const std::optional<double> beside_first = made_.found.cache_loss_db;
-          KeyframeFrames& frames = *prepared_keyframes();
-          made_.found = audition_keyframes(shown, shared_eye_, frames);
-          made_.found.cache_loss_db = least_loss(beside_first, made_.found.cache_loss_db);
-          // Frames that make a third one are slower, and sooner draw by them.
-          if (!by_frames && is_good(made_.found, loss_db, known))
-            made_.failed = !look_at_next(shared_eye_, frames, made_.found);
-        }
-        prepared_ = true;
-      });
+  beside_->run([this, method = preparing_, error_px = options_.error_px, loss_db = options_.loss_db,
+                known = keyframes_known(), by_frames = made_.by_frames] {
+    const ShownFrame& shown = made_.shown;
+    if (method == kRays) made_.found = audition_rays(shown, backend_.samples(), **made_.rays);
+    if (method == kLevels)
+      made_.found = audition_levels(shown, error_px, loss_db, losses_.get(), made_.levels);
+    if (method == kKeyframes) {
+      const std::optional<double> beside_first = made_.found.cache_loss_db;
+      KeyframeFrames& frames = *prepared_keyframes();
+      made_.found = audition_keyframes(shown, shared_eye_, frames);
+      made_.found.cache_loss_db = least_loss(beside_first, made_.found.cache_loss_db);
+      // Frames that make a third one are slower, and sooner draw by them.
+      if (!by_frames && is_good(made_.found, loss_db, known))
+        made_.failed = !look_at_next(shared_eye_, frames, made_.found);
+    }
+    prepared_ = true;
+  });
 }
 
 // Takes what was prepared.
