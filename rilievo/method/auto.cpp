@@ -163,7 +163,8 @@ void AutoFrames::begin_fade(int to) {
   const bool within = fade_.goes_on();
   if (within && to == fades_out_ && to != drawn_by_)
     frames = std::min(frames, std::max(fade_.mixed(), 1));
-  fade_.begin(*shown_, shown_camera_, frames);
+  catches_up_ = to == kCache && frame_ - cache_drawn_ <= kPicturesLast;
+  fade_.begin(*shown_, shown_camera_, frames, catches_up_);
   // What fades out now is a mix of two.
   fades_out_ = within ? -1 : drawn_by_;
 }
@@ -173,12 +174,12 @@ bool AutoFrames::as_large_as_shown(const Camera& camera) const {
   return shown_camera_.width == camera.width && shown_camera_.height == camera.height;
 }
 
-// Pictures of some frames ago may be late: what fades out over them hides it.
+// Pictures of some frames ago may be late while what drew those fades out over them.
 void AutoFrames::let_cache_catch_up(const Camera& camera, bool draws) {
-  if (draws && drawn_by_ != kCache) catches_up_ = frame_ - cache_drawn_ <= kPicturesLast;
+  const bool fades =
+      draws && catches_up_ && fade_.goes_on() && !eye_.jumped() && as_large_as_shown(camera);
+  shared_chooser_->options().catch_up = fades ? fade_.left() : 0;
   if (draws) cache_drawn_ = frame_;
-  const bool fades = !eye_.jumped() && as_large_as_shown(camera);
-  shared_chooser_->options().catch_up = draws && catches_up_ && fades ? fade_.left() : 0;
 }
 
 // What another method showed in the last frame fades out.
@@ -218,8 +219,8 @@ Result<> AutoFrames::draw(const Camera& camera, double time) {
   if (eye_.jumped() && draws_keyframes()) forget_loss(kKeyframes);
   if (eye_.jumped() && preparing_ < 0 && made_.keyframes)
     made_.jumped = true, made_.jumped_in = frame_;
-  // Nor are they kept for here.
-  if (eye_.jumped()) keyframes_seen_ = frame_ - kKeyframesLast - 1;
+  // Nor are they kept for here, nor the cache's pictures.
+  if (eye_.jumped()) keyframes_seen_ = frame_ - kKeyframesLast - 1, cache_drawn_ = kNever;
   // What the cache lost was measured elsewhere, and polygons were counted there.
   if (eye_.jumped()) cheap_ = direct_counted_ = false, cache_loss_.reset();
   look(camera);
@@ -336,10 +337,13 @@ void AutoFrames::end_first_keyframe() {
 // must to be taken again. Are they as new as if they had drawn this frame?
 bool AutoFrames::keep_keyframes(const Camera& camera, double time, const AutoChoice& choice) {
   if (choice.draws == kKeyframes || !keyframes_ || preparing_ >= 0) return false;
+  // Or were made while the cache captures after a jump, so that they were not tried yet.
+  const double mean_ms = decision_->mean_ms(kKeyframes),
+               keyframes_ms = mean_ms > 0 ? mean_ms : outlook_[kKeyframes].guess_ms;
   const bool tried = decision_->draws() == kCache && outlook_[kKeyframes].ready &&
                      outlook_[kKeyframes].good_enough &&
                      kept_after_trial(frame_ - loss_[kKeyframes].seen_in, kCacheWarmsUp,
-                                      decision_->mean_ms(kKeyframes), decision_->drawn_ms());
+                                      keyframes_ms, decision_->drawn_ms());
   if (decision_->draws() != kKeyframes && !tried) return false;
   if (frame_ - keyframes_seen_ >= kKeyframesLast - 3)
     return keyframes_->prepare(camera, time, false).ok();

@@ -30,9 +30,10 @@ constexpr double kAsMuch = 0.7;
 // Else to return to what captures must be likely to take at most this share of what draws: its
 // first frame takes several times as long, which a small gain never pays for.
 constexpr double kWorthReturning = 0.85;
-// And it is left for a gain of so much; but after a trial of what takes so much of its time, at
-// most, there is no return.
-constexpr double kWorthLeaving = 0.1, kWorthStaying = 1.0;
+// And it is left for a gain of so much.
+constexpr double kWorthLeaving = 0.1;
+// So many times in a row it warms up again after jumps until something else may be tried.
+constexpr int kMostWarmUps = 4;
 constexpr int kWarmsUpLong = AutoTrials::kWarmsUpLong;
 
 int gap_after(int fails, bool close) {
@@ -194,6 +195,12 @@ int AutoDecision::plainly_worth_trying(std::span<const AutoOutlook> outlook) con
   return -1;
 }
 
+// Is nothing known yet of what it takes?
+bool AutoDecision::warms_up_first() const {
+  const Cost& cost = costs_[std::size_t(draws_)];
+  return cost.fails == 0 && cost.measured <= candidates_[std::size_t(draws_)].warm_up;
+}
+
 // Does what draws take more than it will?
 bool AutoDecision::warms_up() const {
   return since_change_ <= candidates_[std::size_t(draws_)].warm_up;
@@ -225,12 +232,13 @@ void AutoDecision::begin_trial(int of, std::span<const AutoOutlook> outlook) {
   trials_.begin(of, candidates_[std::size_t(of)].warm_up, plausible(of, outlook[std::size_t(of)]));
 }
 
-// May what was tried, and took that, go on? What is dear to return to must be worth a return: the
-// first frames of that take several times as long, and another change would follow.
-bool AutoDecision::may_replace(double ms, int tried, double drawing_ms) const {
-  if (better(ms, tried, drawing_ms, draws_)) return true;
-  const bool returns = candidates_[std::size_t(draws_)].warm_up >= kWarmsUpLong;
-  return returns && pace_ms_ == 0 && !tried_in_warm_up_ && ms < kWorthStaying * drawing_ms;
+// May what was tried draw on? What is dear to return to must be worth that: its first frames take
+// several times as long, and another change would follow. But not for what few frames say.
+bool AutoDecision::may_replace(const AutoTrials::Found& found, int tried, double drawing_ms) const {
+  if (better(found.mean_ms, tried, drawing_ms, draws_)) return true;
+  const bool returns = candidates_[std::size_t(draws_)].warm_up >= kWarmsUpLong &&
+                       found.frames >= AutoTrials::kFrames;
+  return returns && pace_ms_ == 0 && !tried_in_warm_up_ && found.mean_ms < drawing_ms;
 }
 
 // What was tried draws from now on, or its trial has failed.
@@ -248,7 +256,7 @@ void AutoDecision::end_trial(std::span<const AutoOutlook> outlook) {
   cost.measured += cost.frames;
   cost.recent.set(cost.mean_ms, cost.frames), cost.dear.forget();
   const double drawing_ms = (tried_in_warm_up_ ? kPlainlyWorth : 1) * drawing.mean_ms;
-  if (now.ready && now.good_enough && may_replace(cost.mean_ms, tried, drawing_ms) &&
+  if (now.ready && now.good_enough && may_replace(*found, tried, drawing_ms) &&
       comparable(cost.mean_ms, tried, outlook)) {
     change(tried);
     reason_ = AutoReason::cheapest;
@@ -275,9 +283,10 @@ void AutoDecision::begin_frame(std::span<const AutoOutlook> outlook, bool jumped
   if (jumped) less_ = 0;
   ++since_change_;
   recent_changes_ = jumped ? 0 : kStaysRecent * recent_changes_;
-  // The frames of a warm-up are forgotten when it is over. After a jump there is another.
+  // The frames of a warm-up are forgotten when it is over. After a jump there is another, but an
+  // eye that jumps all the time does not put off for ever what may be better.
   const int warm_up = candidates_[std::size_t(draws_)].warm_up;
-  if (jumped && warm_up >= kWarmsUpLong) since_change_ = 1;
+  if (jumped && warm_up >= kWarmsUpLong && ++warm_ups_ <= kMostWarmUps) since_change_ = 1;
   if (warm_up >= kWarmsUpLong && since_change_ == warm_up + 1)
     costs_[std::size_t(draws_)].frames = 0, costs_[std::size_t(draws_)].dear.forget();
   if (prepares_ >= 0 && !outlook[std::size_t(prepares_)].preparable) prepares_ = -1;
@@ -316,8 +325,10 @@ void AutoDecision::compare(std::span<const AutoOutlook> outlook, bool disturbed)
   const int best = best_known(outlook);
   const double now = costs_[std::size_t(draws_)].mean_ms,
                best_ms = costs_[std::size_t(best)].mean_ms;
-  const bool warm = !warms_up(), stayed = since_change_ > candidates_[std::size_t(draws_)].dwell ||
-                                          (warm && now > kMuchMore * best_ms);
+  const bool warm = !warms_up();
+  if (warm) warm_ups_ = 0;
+  const bool stayed =
+      since_change_ > candidates_[std::size_t(draws_)].dwell || (warm && now > kMuchMore * best_ms);
   if (settled() && best != draws_ && stayed) {
     change(best);
     reason_ =
@@ -337,7 +348,7 @@ void AutoDecision::prepare_in_warm_up(std::span<const AutoOutlook> outlook, bool
   if (!warms_up()) return;
   if (failed && settled())
     prepares_ = worth_trying(outlook, false);
-  else if (!trials_.goes_on() && costs_[std::size_t(draws_)].fails == 0)
+  else if (!trials_.goes_on() && warms_up_first())
     prepares_ = plainly_worth_preparing(outlook);
 }
 

@@ -153,6 +153,7 @@ class AutoDecision {
   [[nodiscard]] int plainly_worth_preparing(std::span<const AutoOutlook> outlook) const;
   [[nodiscard]] int plainly_worth_trying(std::span<const AutoOutlook> outlook) const;
   [[nodiscard]] bool warms_up() const;
+  [[nodiscard]] bool warms_up_first() const;
   // Does what draws take what it should, or has it taken more for long?
   [[nodiscard]] bool settled() const { return unsettled_ == 0 || unsettled_ > kUnsettled; }
   void begin_frame(std::span<const AutoOutlook> outlook, bool jumped);
@@ -163,7 +164,8 @@ class AutoDecision {
   [[nodiscard]] AutoChoice explain(std::span<const AutoOutlook> outlook) const;
   void change(int to);
   void begin_trial(int of, std::span<const AutoOutlook> outlook);
-  [[nodiscard]] bool may_replace(double ms, int tried, double drawing_ms) const;
+  [[nodiscard]] bool may_replace(const AutoTrials::Found& found, int tried,
+                                 double drawing_ms) const;
   void end_trial(std::span<const AutoOutlook> outlook);
   [[nodiscard]] bool comparable(double ms, int i, std::span<const AutoOutlook> outlook) const;
   [[nodiscard]] double over_guess(double ms) const;
@@ -176,6 +178,7 @@ class AutoDecision {
   int draws_, prepares_ = -1, drawn_ = -1;
   AutoReason reason_ = AutoReason::begins;
   int since_change_ = 0;
+  int warm_ups_ = 0;           // after jumps, since methods were compared
   double recent_changes_ = 0;  // each counts less with each frame
   // How much more what draws takes than its model explains, over all frames: the machine is slower,
   // or in view is what is dear for all methods.

@@ -48,21 +48,26 @@ TEST(AutoDecision, what_warms_up_for_long_is_not_returned_to_for_nothing) {
   }
 }
 
-// As in town-cut, which cuts each dozen frames: the cache captures after each, and levels that take
-// six times as long were tried for that.
+// As in town-cut: the cache captures after each jump, and levels that take six times as long were
+// tried for that. But where it never ends, what takes less is found.
 TEST(AutoDecision, after_a_jump_the_cache_warms_up_again_before_anything_is_tried) {
-  const AutoCandidate candidates[] = {{"cache", 1, 12}, {"lod", 2, 1}};
-  AutoDecision decision(candidates, 0);
-  int tried = 0;
-  for (int frame = 0; frame < 400; ++frame) {
-    const int since = frame % 20;
-    const AutoOutlook outlook[] = {{.ready = true, .prior_ms = 60},
-                                   {.ready = frame > 30, .guess_ms = 70}};
-    const AutoChoice choice = decision.next(outlook, frame > 0 && since == 0);
-    tried += choice.draws == 1;
-    decision.add(choice.draws == 1 ? 130 : since < 8 ? 120 : 20);
-  }
-  EXPECT_EQ(tried, 0);
+  const auto by_levels = [](int period, double levels_ms) {
+    const AutoCandidate candidates[] = {{"cache", 1, 12}, {"lod", 2, 1}};
+    AutoDecision decision(candidates, 0);
+    int drawn = 0;
+    for (int frame = 0; frame < 400; ++frame) {
+      const int since = frame % period;
+      const AutoOutlook outlook[] = {{.ready = true, .prior_ms = 60},
+                                     {.ready = frame > 30, .guess_ms = levels_ms / 2}};
+      const AutoChoice choice = decision.next(outlook, frame > 0 && since == 0);
+      drawn += choice.draws == 1;
+      decision.add(choice.draws == 1 ? levels_ms : since < 4 ? 120 : 20);
+    }
+    return drawn;
+  };
+  EXPECT_EQ(by_levels(20, 130), 0);
+  EXPECT_LT(by_levels(8, 130), 24);
+  for (const int period : {5, 8, 12, 20}) EXPECT_GT(by_levels(period, 18), 250) << period;
 }
 
 // As in scan-orbit, whose cache was tried in the 233rd frame: its first one captured, and took four

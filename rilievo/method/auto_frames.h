@@ -60,6 +60,8 @@ class AutoFrames final : public FrameSource {
   static constexpr int kKeyframesAgain = 80;
   // Keyframes that no frame was drawn from for so many frames are of elsewhere.
   static constexpr int kKeyframesLast = 8;
+  // A frame so long ago that it counts for nothing.
+  static constexpr int kNever = -10000;
   // Of larger meshes the tree of rays takes too much memory.
   static constexpr std::uint64_t kMostForLoss = 2'000'000;
   // How far off models are taken to be, at most, by a frame that was drawn beside the others.
@@ -197,8 +199,8 @@ class AutoFrames final : public FrameSource {
   } loss_[kMethods];
   double off_[kMethods] = {1, 1, 1, 1, 1};  // times as much as its model says; 1: not measured
   std::optional<double> cache_loss_;        // none: not known
-  int cache_drawn_ = -1000;                 // the last frame that it drew
-  bool catches_up_ = false;                 // its pictures do, since it draws again
+  int cache_drawn_ = kNever;                // the last frame that it drew
+  bool catches_up_ = false;                 // what fades out fades to its pictures of before
   std::unique_ptr<FrameLoss> losses_;       // of the other thread, while something is prepared
   std::optional<FrameLoss> looks_;          // at levels that draw, by the same rays
   std::optional<PieceLoss> pieces_;         // of levels, where rays do not know the scene

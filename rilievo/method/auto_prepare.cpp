@@ -17,7 +17,8 @@ bool is_good(const Audition& found, double allowed_db, bool known) {
   return found.loss_db && good_beside_cache(*found.loss_db, found.cache_loss_db, allowed_db, known);
 }
 
-// Makes one more keyframe: what is warped from that and the one before loses where the eye is now.
+// Makes one more keyframe; what counts is what frames from that and the one before lose where the
+// eye is now, as far as it is known.
 Result<> look_at_next(SharedEye& eye, KeyframeFrames& frames, Audition& found) {
   if (Result<> made = make_next_keyframe(eye, frames); !made) return made;
   const std::optional<SharedEye::Posted> latest = eye.latest();
@@ -168,9 +169,12 @@ void AutoFrames::show(const Camera& camera, double time, int drawn_by) {
 
 void AutoFrames::look_at_prepared() {
   // What the cache lost with another error, or elsewhere, is not compared.
-  if (std::exchange(made_.jumped, false) || made_.error_px != options_.error_px) made_.found = {};
+  if (made_.jumped || made_.error_px != options_.error_px) made_.found = {};
   stage_ = Preparing::looked_at;
-  prepared_ = false;
+  // Keyframes of elsewhere are bad here, which says nothing of others.
+  prepared_ = preparing_ == kKeyframes && made_.jumped;
+  if (prepared_) return;
+  made_.jumped = false;
   beside_->run([this, method = preparing_, error_px = options_.error_px, loss_db = options_.loss_db,
                 known = keyframes_known(), by_frames = made_.by_frames] {
     const ShownFrame& shown = made_.shown;
@@ -197,6 +201,8 @@ Result<> AutoFrames::adopt() {
   if (stage_ == Preparing::shown && active_->software_target()) return Done{};
   if (stage_ == Preparing::by_frames && !made_.given_up) return Done{};
   beside_->wait();
+  // The eye has jumped since the look began: what was found, and keyframes, are of elsewhere.
+  if (made_.jumped) made_.found = {};
   const bool first_refused = stage_ == Preparing::first_looked_at && made_.found.loss_db &&
                              first_is_hopeless(*made_.found.loss_db, made_.found.cache_loss_db,
                                                options_.loss_db, keyframes_known());
@@ -238,9 +244,7 @@ Result<> AutoFrames::adopt() {
   if (method == kKeyframes) {
     young_keyframes_ = kKeyframesDwell;
     keyframes_seen_ = frame_, keyframes_again_ = frame_ + kKeyframesAgain;
-    // While they were looked at: they, and what they lose, are of elsewhere.
-    if (made_.jumped)
-      loss_[method].db.reset(), keyframes_seen_ -= kKeyframesLast + 1, keyframes_again_ = frame_;
+    if (made_.jumped) keyframes_seen_ -= kKeyframesLast + 1, keyframes_again_ = frame_;
     if (made_.failed)
       keyframes_ = nullptr, loss_[method] = {}, frames_[method].reset(), made_.keyframes.reset();
   }

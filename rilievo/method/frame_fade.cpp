@@ -20,12 +20,12 @@ void FrameFade::reserve(int width, int height) {
   target_ = SoftwareTarget(width, height, 1);
 }
 
-void FrameFade::begin(const SoftwareTarget& shown, const Camera& camera, int frames) {
+void FrameFade::begin(const SoftwareTarget& shown, const Camera& camera, int frames, bool all) {
   RILIEVO_EXPECTS(frames > 0);
   old_ = shown.color();
   old_inverse_z_ = shown.inverse_z();
   old_camera_ = camera;
-  of_ = left_ = frames;
+  of_ = left_ = frames, all_ = all;
 }
 
 void FrameFade::mix(const SoftwareTarget& frame, const Camera& camera) {
@@ -59,7 +59,7 @@ void FrameFade::mix(const SoftwareTarget& frame, const Camera& camera) {
   most_ = 0;
   const TileDrawer* drawer = this;
   target_.draw(camera.z_far, {&drawer, 1});
-  if (most_ < kUnseen) left_ = 0;
+  if (most_ < kUnseen && !all_) left_ = 0;
 }
 
 void FrameFade::draw_objects() {

@@ -32,8 +32,9 @@ class FrameFade final : private TileDrawer {
   // Takes the memory for frames of this size now, so that no fade does.
   void reserve(int width, int height);
   // From `shown`, a frame of `camera`, in so many frames. May be the target() of a fade that goes
-  // on.
-  void begin(const SoftwareTarget& shown, const Camera& camera, int frames = kFrames);
+  // on. `all`: in all of them, even where no more of it is seen.
+  void begin(const SoftwareTarget& shown, const Camera& camera, int frames = kFrames,
+             bool all = false);
   void end() { left_ = 0; }
   [[nodiscard]] bool goes_on() const { return left_ > 0; }
   // The share of its frames that are to come.
@@ -53,6 +54,7 @@ class FrameFade final : private TileDrawer {
   void draw_tile(FrameTile& tile) const override;
 
   int of_ = kFrames, left_ = 0;
+  bool all_ = false;
   mutable std::atomic<double> most_{0};  // levels, of all tiles of a frame
   Rgba8Image old_;
   Image<float> old_inverse_z_;

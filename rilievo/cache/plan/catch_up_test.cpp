@@ -50,7 +50,7 @@ Catching pause(const PlanObjects& forest, int frames, bool catches_up) {
   return most;
 }
 
-TEST(CatchUp, the_first_frames_after_others_cost_little_more_than_those_before) {
+TEST(CatchUp, what_has_become_due_is_not_captured_in_the_first_frame) {
   for (const int trees : {120, 400}) {
     const PlanObjects forest = plant(trees);
     for (const int frames : {3, 11, 20}) {

@@ -125,9 +125,10 @@ struct CacheOptions {
 [[nodiscard]] inline double late_factor(const CacheOptions& options) {
   return captures_beside(options) ? options.spikes.late : 1;
 }
-// And those of a picture at hand.
+// The same for a picture at hand.
 [[nodiscard]] inline double late_at_hand(const CacheOptions& options) {
-  return std::max(late_factor(options), 1 + options.spikes.catch_up * (options.spikes.late - 1));
+  const double late = std::min(options.spikes.late, kMostLateInCatchUp);
+  return std::max(late_factor(options), 1 + options.spikes.catch_up * (late - 1));
 }
 
 // Options for captures by the SIMD rasteriser (render/raster/raster_picture.h), with the pass over

@@ -41,14 +41,19 @@ struct SpikePolicy {
   // their limits by this factor, at least 1. Beyond it, something else stands for the picture's
   // objects, mostly the coarse picture.
   double late = 2;
-  // After frames that were drawn without the cache: the share of that lateness that pictures at hand
-  // may have, from 1 down to 0 over some frames, so that the first of these does not capture all
-  // that has become due meanwhile. What captures may cost is kCatchUpShare of what the frame costs
-  // without them.
+  // After frames that were drawn without the cache: how late pictures at hand may be, from 1 (as
+  // late as above, but no more than twice) down to 0 over some frames, so that the first of these
+  // does not capture all that has become due meanwhile. Captures cost at most kCatchUpShare of what
+  // the frame costs without them, but one is always made.
   double catch_up = 0;
 };
 
-inline constexpr double kCatchUpShare = 0.8;
+inline constexpr double kCatchUpShare = 0.8, kMostLateInCatchUp = 2;
+
+// Are pictures at hand allowed to be late for that?
+[[nodiscard]] inline bool catches_up(const SpikePolicy& policy) {
+  return policy.catch_up > 0 && policy.late > 1;
+}
 
 // A frame before its captures are chosen. Costs in triangles.
 struct FrameCosts {
