@@ -48,7 +48,11 @@ struct SpikePolicy {
   double catch_up = 0;
 };
 
-inline constexpr double kCatchUpShare = 0.8, kMostLateInCatchUp = 2;
+// What captures may cost then; with half of that they are too few, and the frame after the last of
+// these is as dear as the first one was.
+inline constexpr double kCatchUpShare = 0.8;
+// How late pictures may be then, whatever is allowed beside captures.
+inline constexpr double kMostLateInCatchUp = 2;
 
 // Are pictures at hand allowed to be late for that?
 [[nodiscard]] inline bool catches_up(const SpikePolicy& policy) {
