@@ -11,10 +11,18 @@ namespace {
 // What is expected to take less than this share of what draws is prepared in a hurry: frames lose
 // all the time that preparing takes, for a short time.
 constexpr double kHurry = AutoDecision::kPlainlyWorth;
+// What may be left of the loss of the first two keyframes when there is a third one.
+constexpr double kOfNext = 0.75;
 
 // Are keyframes good enough, as far as one look says?
 bool is_good(const Audition& found, double allowed_db, bool known) {
   return found.loss_db && good_beside_cache(*found.loss_db, found.cache_loss_db, allowed_db, known);
+}
+
+// May they be, with a later one?
+bool is_near(Audition found, double allowed_db, bool known) {
+  if (found.loss_db) *found.loss_db *= kOfNext;
+  return is_good(found, allowed_db, known);
 }
 
 // Makes one more keyframe; what counts is what frames from that and the one before lose where the
@@ -186,8 +194,10 @@ void AutoFrames::look_at_prepared() {
       KeyframeFrames& frames = *prepared_keyframes();
       made_.found = audition_keyframes(shown, shared_eye_, frames);
       made_.found.cache_loss_db = least_loss(beside_first, made_.found.cache_loss_db);
-      // Frames that make a third one are slower, and sooner draw by them.
-      if (!by_frames && is_good(made_.found, loss_db, known))
+      // Good ones that frames made draw at once. Of others it is the next one that tells: they were
+      // left behind while they were looked at, or are farther apart than later ones.
+      const bool good = is_good(made_.found, loss_db, known);
+      if (by_frames ? !good && is_near(made_.found, loss_db, known) : good)
         made_.failed = !look_at_next(shared_eye_, frames, made_.found);
     }
     prepared_ = true;
