@@ -44,7 +44,8 @@ struct ImageCacheOptions {
   // With capture_ms and the rasteriser, a picture whose successor is not done stays until its
   // bounds reach their limits times this factor. 1, the least: no picture exceeds its limits.
   double late = SpikePolicy{}.late;
-  // As SpikePolicy::catch_up, for the first frames after some that something else drew.
+  // How late pictures may be in the first frames after some that were drawn without the cache, as
+  // SpikePolicy::catch_up. 0: not at all.
   double catch_up = 0;
   // A frame that would cost more than so many times what the last ones did, and more than 100 ms,
   // by the costs that the planner compares, shows what costs most, after a cut for instance, in a

@@ -121,11 +121,12 @@ struct CacheOptions {
 [[nodiscard]] inline bool captures_beside(const CacheOptions& options) {
   return options.capture_cost < std::numeric_limits<double>::infinity();
 }
-// The factor by which bounds may exceed their limits when a capture is done.
+// The factor by which the bounds of a new picture may exceed their limits: it may have been ordered
+// some frames ago.
 [[nodiscard]] inline double late_factor(const CacheOptions& options) {
   return captures_beside(options) ? options.spikes.late : 1;
 }
-// The same for a picture at hand.
+// The factor for a picture that is already there.
 [[nodiscard]] inline double late_at_hand(const CacheOptions& options) {
   const double late = std::min(options.spikes.late, kMostLateInCatchUp);
   return std::max(late_factor(options), 1 + options.spikes.catch_up * (late - 1));

@@ -33,7 +33,7 @@ double FramePlanner::capture_budget() const {
                budget = options_.spikes.max_spike > 0
                             ? std::min(least, limit_.capture_room)
                             : std::max(least, options_.capture_share * cost_at_hand_);
-  return catches_up(options_.spikes) ? std::min(budget, kCatchUpShare * cost_at_hand_) : budget;
+  return late_at_hand(options_) > 1 ? std::min(budget, kCatchUpShare * cost_at_hand_) : budget;
 }
 
 // Makes room for `bytes` by dropping pictures that this frame does not need, the longest unused

@@ -41,23 +41,19 @@ struct SpikePolicy {
   // their limits by this factor, at least 1. Beyond it, something else stands for the picture's
   // objects, mostly the coarse picture.
   double late = 2;
-  // After frames that were drawn without the cache: how late pictures at hand may be, from 1 (as
-  // late as above, but no more than twice) down to 0 over some frames, so that the first of these
-  // does not capture all that has become due meanwhile. Captures cost at most kCatchUpShare of what
-  // the frame costs without them, but one is always made.
+  // After frames that were drawn without the cache: the share of the lateness that pictures at hand
+  // may have, of late - 1 or kMostLateInCatchUp - 1, whichever is less. The caller lowers it from 1
+  // to 0 over some frames, so that the first of them does not capture all pictures that have become
+  // due. A frame's captures then cost at most kCatchUpShare of what it costs without them, but one
+  // is always made. 0: no catch-up.
   double catch_up = 0;
 };
 
-// What captures may cost then; with half of that they are too few, and the frame after the last of
-// these is as dear as the first one was.
+// What the captures of a frame may cost in a catch-up. With half of it they are too few, and the
+// first frame after the catch-up is as dear as the first one would have been.
 inline constexpr double kCatchUpShare = 0.8;
-// How late pictures may be then, whatever is allowed beside captures.
+// The largest factor by which bounds may exceed their limits in a catch-up.
 inline constexpr double kMostLateInCatchUp = 2;
-
-// Are pictures at hand allowed to be late for that?
-[[nodiscard]] inline bool catches_up(const SpikePolicy& policy) {
-  return policy.catch_up > 0 && policy.late > 1;
-}
 
 // A frame before its captures are chosen. Costs in triangles.
 struct FrameCosts {
