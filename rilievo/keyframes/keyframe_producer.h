@@ -103,9 +103,10 @@ class KeyframeProducer {
   [[nodiscard]] bool any() const { return !ready_.empty(); }
   // Forgets all keyframes: they are of where the eye was some time ago.
   void forget();
-  // How many there were; and is one being made?
-  [[nodiscard]] std::uint64_t made() const { return made_; }
-  [[nodiscard]] bool makes_one() const { return maker_.busy(); }
+  // How many keyframes it has made so far, coarse ones included.
+  [[nodiscard]] std::uint64_t made_count() const { return made_; }
+  // Is one being made by the frames?
+  [[nodiscard]] bool making() const { return maker_.busy(); }
   // Has it two keyframes that are not coarse?
   [[nodiscard]] bool has_two() const;
   // Is there nothing to wait for: has it two, or the one that an eye gets that stands?

@@ -176,8 +176,7 @@ bool AutoFrames::as_large_as_shown(const Camera& camera) const {
 
 // Pictures of some frames ago may be late while what drew those fades out over them.
 void AutoFrames::let_cache_catch_up(const Camera& camera, bool draws) {
-  const bool fades =
-      draws && catches_up_ && fade_.goes_on() && !eye_.jumped() && as_large_as_shown(camera);
+  const bool fades = draws && catches_up_ && !eye_.jumped() && as_large_as_shown(camera);
   shared_chooser_->options().catch_up = fades ? fade_.left() : 0;
   if (draws) cache_drawn_ = frame_;
 }
@@ -199,6 +198,14 @@ Result<> AutoFrames::draw_objects() {
   return drawn;
 }
 
+// The eye has jumped: keyframes and the cache's pictures are of elsewhere, and what was measured.
+void AutoFrames::leave_place() {
+  if (draws_keyframes()) forget_loss(kKeyframes);
+  if (preparing_ < 0 && made_.keyframes) made_.jumped = true, made_.jumped_in = frame_;
+  keyframes_seen_ = frame_ - kKeyframesLast - 1, cache_drawn_ = kNever;
+  cheap_ = direct_counted_ = false, cache_loss_.reset();
+}
+
 Result<> AutoFrames::draw(const Camera& camera, double time) {
   begun_drawn_ = -1;
   if (camera.width != width_ || camera.height != height_)
@@ -215,14 +222,7 @@ Result<> AutoFrames::draw(const Camera& camera, double time) {
   if (Result<> adopted = adopt(); !adopted) return adopted;
   eye_.follow(camera);
   still_frames_ = frame_ > 0 && same_view(camera, shown_camera_) ? still_frames_ + 1 : 0;
-  // What was seen of them was elsewhere.
-  if (eye_.jumped() && draws_keyframes()) forget_loss(kKeyframes);
-  if (eye_.jumped() && preparing_ < 0 && made_.keyframes)
-    made_.jumped = true, made_.jumped_in = frame_;
-  // Nor are they kept for here, nor the cache's pictures.
-  if (eye_.jumped()) keyframes_seen_ = frame_ - kKeyframesLast - 1, cache_drawn_ = kNever;
-  // What the cache lost was measured elsewhere, and polygons were counted there.
-  if (eye_.jumped()) cheap_ = direct_counted_ = false, cache_loss_.reset();
+  if (eye_.jumped()) leave_place();
   look(camera);
   // What frames make of keyframes they make after what is timed.
   const bool disturbed = preparing_ >= 0 && stage_ != Preparing::by_frames;
@@ -337,7 +337,8 @@ void AutoFrames::end_first_keyframe() {
 // must to be taken again. Are they as new as if they had drawn this frame?
 bool AutoFrames::keep_keyframes(const Camera& camera, double time, const AutoChoice& choice) {
   if (choice.draws == kKeyframes || !keyframes_ || preparing_ >= 0) return false;
-  // Or were made while the cache captures after a jump, so that they were not tried yet.
+  // Those that were made while the cache captures after a jump were not tried yet: a model says
+  // what they take.
   const double mean_ms = decision_->mean_ms(kKeyframes),
                keyframes_ms = mean_ms > 0 ? mean_ms : outlook_[kKeyframes].guess_ms;
   const bool tried = decision_->draws() == kCache && outlook_[kKeyframes].ready &&

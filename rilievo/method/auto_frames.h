@@ -82,7 +82,6 @@ class AutoFrames final : public FrameSource {
     bool failed = false;
     double error_px = 0;                         // that was asked for when it began
     ShownFrame shown;                            // what it is compared with
-    EyePrediction eye;                           // that saw that
     bool followed = false;                       // keyframes know how the eye moves
     bool jumped = false;                         // the eye did, since they were last told
     int jumped_in = 0;                           // the frame in which it did last
@@ -150,6 +149,7 @@ class AutoFrames final : public FrameSource {
   }
   [[nodiscard]] bool as_large_as_shown(const Camera& camera) const;
   void begin_fade(int to);
+  void leave_place();
   void let_cache_catch_up(const Camera& camera, bool draws);
   void fade(const Camera& camera);
   void show(const Camera& camera, double time, int drawn_by);
@@ -200,7 +200,7 @@ class AutoFrames final : public FrameSource {
   double off_[kMethods] = {1, 1, 1, 1, 1};  // times as much as its model says; 1: not measured
   std::optional<double> cache_loss_;        // none: not known
   int cache_drawn_ = kNever;                // the last frame that it drew
-  bool catches_up_ = false;                 // what fades out fades to its pictures of before
+  bool catches_up_ = false;                 // the fade is to its pictures of some frames ago
   std::unique_ptr<FrameLoss> losses_;       // of the other thread, while something is prepared
   std::optional<FrameLoss> looks_;          // at levels that draw, by the same rays
   std::optional<PieceLoss> pieces_;         // of levels, where rays do not know the scene

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <functional>
 #include <iterator>
-#include <utility>
 
 #include "rilievo/method/good_enough.h"
 
@@ -77,16 +76,18 @@ Result<> make_parts(SharedEye& eye, bool anew, KeyframeFrames& frames,
 void SharedEye::post(const EyePrediction& eye, double time) {
   {
     const std::lock_guard lock(mutex_);
-    posted_ = latest_ = {eye, time, posted_ ? posted_->frames + 1 : 1};
+    const int missed = latest_ && !taken_ ? latest_->frames : 0;
+    latest_ = {eye, time, missed + 1}, taken_ = false;
   }
   changed_.notify_all();
 }
 
 std::optional<SharedEye::Posted> SharedEye::next() {
   std::unique_lock lock(mutex_);
-  changed_.wait(lock, [this] { return ended_ || posted_; });
+  changed_.wait(lock, [this] { return ended_ || (latest_ && !taken_); });
   if (ended_) return std::nullopt;
-  return std::exchange(posted_, std::nullopt);
+  taken_ = true;
+  return latest_;
 }
 
 std::optional<SharedEye::Posted> SharedEye::latest() {
@@ -96,7 +97,7 @@ std::optional<SharedEye::Posted> SharedEye::latest() {
 
 void SharedEye::forget() {
   const std::lock_guard lock(mutex_);
-  posted_.reset(), latest_.reset();
+  latest_.reset();
 }
 
 void SharedEye::end() {
@@ -120,9 +121,9 @@ Result<> prepare_keyframes(SharedEye& eye, KeyframeFrames& frames) {
 }
 
 Result<> make_next_keyframe(SharedEye& eye, KeyframeFrames& frames) {
-  const std::uint64_t made = frames.made();
+  const std::uint64_t made = frames.made_count();
   return make_parts(eye, false, frames,
-                    [&] { return frames.made() > made || !frames.makes_one(); });
+                    [&] { return frames.made_count() > made || !frames.making(); });
 }
 
 void follow_way(const EyePrediction& eye, double time, KeyframeFrames& frames) {
@@ -201,6 +202,12 @@ std::optional<double> loss_of(KeyframeFrames& frames, int looks) {
   return sampled ? std::optional(without_own_noise(*sampled)) : std::nullopt;
 }
 
+Result<std::optional<double>> loss_ahead(SharedEye& eye, KeyframeFrames& frames) {
+  const std::optional<SharedEye::Posted> latest = eye.latest();
+  if (!latest) return std::optional<double>();
+  return loss_ahead(latest->eye, latest->time, frames);
+}
+
 Audition audition_keyframes(const ShownFrame& shown, SharedEye& eye, KeyframeFrames& frames) {
   Audition found;
   FrameLoss of_cache(&frames.rays());
@@ -212,9 +219,7 @@ Audition audition_keyframes(const ShownFrame& shown, SharedEye& eye, KeyframeFra
   frames.forget_loss();
   for (int i = 0; i < kMostAuditions && !found.loss_db; ++i)
     found.loss_db = loss_of(frames, kAuditionLosses);
-  const std::optional<SharedEye::Posted> latest = eye.latest();
-  if (!latest) return found;
-  const Result<std::optional<double>> ahead = loss_ahead(latest->eye, latest->time, frames);
+  const Result<std::optional<double>> ahead = loss_ahead(eye, frames);
   if (found.loss_db && ahead && *ahead) found.loss_db = std::max(*found.loss_db, **ahead);
   return found;
 }

@@ -39,7 +39,8 @@ class SharedEye {
  private:
   std::mutex mutex_;
   std::condition_variable changed_;
-  std::optional<Posted> posted_, latest_;
+  std::optional<Posted> latest_;
+  bool taken_ = false;  // latest_ was
   bool ended_ = false;
 };
 
@@ -47,8 +48,8 @@ class SharedEye {
 // that `frames` has are of an eye some time ago. Fails where a capture does.
 [[nodiscard]] Result<> prepare_keyframes(SharedEye& eye, KeyframeFrames& frames);
 
-// Makes one more, beside the frames, too: those that `frames` has are left behind while they are
-// looked at. Of an eye that stands there is none to come. Fails where a capture does.
+// Makes one more keyframe beside the frames: the eye leaves those that `frames` has behind while
+// they are looked at. For an eye that stands it may make none. Fails where a capture does.
 [[nodiscard]] Result<> make_next_keyframe(SharedEye& eye, KeyframeFrames& frames);
 
 // Where the eye was, in frames before the one that is shown, `frames` after the last one that was
@@ -120,10 +121,10 @@ class KeyframesDoubt {
 // the first two there are more of these than there will be. `young`: there is no third one yet.
 [[nodiscard]] double ms_when_settled(double ms, double fill_ms, bool young);
 
-// A trial of keyframes ended so many frames ago, and the cache, which warms up for `warm_up`
-// frames, draws again. Are they kept until it is known what it takes now? It was compared by what
-// it took before; where that was little less they may be the cheaper ones, and would have to be
-// made again.
+// A trial of keyframes ended so many frames ago, or they were taken then, and the cache, which
+// warms up for `warm_up` frames, draws. Are they kept until it is known what it takes now? It was
+// compared by what it took before; where that was little less they may be the cheaper ones, and
+// would have to be made again.
 [[nodiscard]] bool kept_after_trial(int frames, int warm_up, double keyframes_ms, double cache_ms);
 
 // What is warped from keyframes loses where the eye will be when the next one is half complete, as
@@ -132,6 +133,9 @@ class KeyframesDoubt {
 // memory does not suffice.
 [[nodiscard]] Result<std::optional<double>> loss_ahead(const EyePrediction& eye, double time,
                                                        KeyframeFrames& frames);
+
+// The same ahead of where the eye is now. None: no frame was drawn yet, too.
+[[nodiscard]] Result<std::optional<double>> loss_ahead(SharedEye& eye, KeyframeFrames& frames);
 
 // The camera moved sideways until what is at the median distance of a frame has moved by so many
 // pixels. `inverse_z`: of that frame, as SoftwareTarget's. Where it shows only the sky it stays.

@@ -1,12 +1,11 @@
 #include "rilievo/method/auto_keyframes.h"
 
-#include <chrono>
-#include <thread>
-
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cmath>
 #include <functional>
+#include <thread>
 
 #include "rilievo/method/auto_decision.h"
 #include "rilievo/method/good_enough.h"
@@ -17,11 +16,17 @@ namespace rilievo {
 namespace {
 
 // Keyframes as `auto` makes them: never polygons.
-Result<std::unique_ptr<KeyframeFrames>> keyframes_of(const Scene& scene, double keyframe_ms) {
+Result<std::unique_ptr<KeyframeFrames>> keyframes_of(const Scene& scene, double keyframe_ms,
+                                                     int interval = KeyframeOptions{}.interval) {
   KeyframeFramesOptions options;
   options.polygons_where_cheaper = false;
-  options.keyframes.keyframe_ms = keyframe_ms;
+  options.keyframes.keyframe_ms = keyframe_ms, options.keyframes.interval = interval;
   return KeyframeFrames::create(scene, options);
+}
+
+// Of the eye that walks along the scene's own path.
+Camera camera_of(const BuiltinScene& built, int frame) {
+  return camera_at(built.path, frame_time(built.path, frame), 160, 90);
 }
 
 // A walk of frames that take so long, and now and then a capture as well: however long keyframes
@@ -193,14 +198,8 @@ TEST(AutoKeyframes, after_a_trial_that_was_lost_by_little_they_are_kept_until_th
 TEST(AutoKeyframes, what_is_prepared_in_parts_is_what_frames_would_make) {
   const auto built = make_builtin("builtin:stonehenge?triangles=20000");
   ASSERT_TRUE(built.ok());
-  KeyframeFramesOptions options;
-  options.polygons_where_cheaper = false;
-  options.keyframes.interval = 6;
-  const auto camera = [&](int i) {
-    return camera_at(built->path, frame_time(built->path, i), 160, 90);
-  };
-  const auto parts = KeyframeFrames::create(built->scene, options),
-             anew = KeyframeFrames::create(built->scene, options);
+  const auto camera = [&](int i) { return camera_of(*built, i); };
+  const auto parts = keyframes_of(built->scene, 0, 6), anew = keyframes_of(built->scene, 0, 6);
   ASSERT_TRUE(parts.ok() && anew.ok());
   (*parts)->reserve(camera(0), 0);
   EXPECT_FALSE((*parts)->any());
@@ -236,9 +235,7 @@ TEST(AutoKeyframes, what_a_frame_makes_all_of_is_there_in_that_frame) {
   ASSERT_TRUE(built.ok());
   const auto frames = keyframes_of(built->scene, 8);
   ASSERT_TRUE(frames.ok());
-  const auto camera = [&](int i) {
-    return camera_at(built->path, frame_time(built->path, i), 160, 90);
-  };
+  const auto camera = [&](int i) { return camera_of(*built, i); };
   (*frames)->reserve(camera(0), 0);
   for (int i = 0; i < 3; ++i) (*frames)->follow(camera(i), 0);
   const auto make = [&](int i) {
@@ -357,20 +354,15 @@ TEST(AutoKeyframes, frames_that_go_by_send_no_keyframe_farther_ahead) {
 TEST(AutoKeyframes, one_more_is_made_for_an_eye_that_has_gone_on) {
   const auto built = make_builtin("builtin:stonehenge?triangles=20000");
   ASSERT_TRUE(built.ok());
-  KeyframeFramesOptions options;
-  options.polygons_where_cheaper = false;
-  options.keyframes.interval = 6;
-  const auto frames = KeyframeFrames::create(built->scene, options);
+  const auto frames = keyframes_of(built->scene, 0, 6);
   ASSERT_TRUE(frames.ok());
-  const auto camera = [&](int i) {
-    return camera_at(built->path, frame_time(built->path, i), 160, 90);
-  };
+  const auto camera = [&](int i) { return camera_of(*built, i); };
   EyePrediction eye;
   int frame = 0;
   const auto go_on = [&] { eye.follow(camera(frame)), ++frame; };
   for (go_on(); !(*frames)->prepared(); go_on())
     ASSERT_TRUE((*frames)->prepare(camera(frame), 0, frame == 1).ok());
-  const std::uint64_t two = (*frames)->made();
+  const std::uint64_t two = (*frames)->made_count();
   for (int i = 0; i < 24; ++i) go_on();
   const Result<std::optional<double>> left_behind = loss_ahead(eye, 0, **frames);
   ASSERT_TRUE(left_behind.ok() && *left_behind);
@@ -387,7 +379,7 @@ TEST(AutoKeyframes, one_more_is_made_for_an_eye_that_has_gone_on) {
     return make_next_keyframe(shared, **frames).ok();
   };
   ASSERT_TRUE(make(true));
-  EXPECT_EQ((*frames)->made(), two + 1);
+  EXPECT_EQ((*frames)->made_count(), two + 1);
   ASSERT_TRUE(shared.latest());
   const Result<std::optional<double>> loss = loss_ahead(shared.latest()->eye, 0, **frames);
   ASSERT_TRUE(loss.ok() && *loss);
@@ -396,9 +388,9 @@ TEST(AutoKeyframes, one_more_is_made_for_an_eye_that_has_gone_on) {
   EyePrediction stands;
   for (int i = 0; i < 60; ++i) stands.follow(camera(frame));
   eye = stands;
-  const std::uint64_t before = (*frames)->made();
+  const std::uint64_t before = (*frames)->made_count();
   for (int i = 0; i < 4; ++i) EXPECT_TRUE(make(false));
-  EXPECT_LE((*frames)->made(), before + 2);
+  EXPECT_LE((*frames)->made_count(), before + 2);
   shared.forget();
   EXPECT_FALSE(shared.latest());
 }

@@ -14,24 +14,11 @@ constexpr double kHurry = AutoDecision::kPlainlyWorth;
 // What may be left of the loss of the first two keyframes when there is a third one.
 constexpr double kOfNext = 0.75;
 
-// Are keyframes good enough, as far as one look says?
-bool is_good(const Audition& found, double allowed_db, bool known) {
-  return found.loss_db && good_beside_cache(*found.loss_db, found.cache_loss_db, allowed_db, known);
-}
-
-// May they be, with a later one?
-bool is_near(Audition found, double allowed_db, bool known) {
-  if (found.loss_db) *found.loss_db *= kOfNext;
-  return is_good(found, allowed_db, known);
-}
-
 // Makes one more keyframe; what counts is what frames from that and the one before lose where the
 // eye is now, as far as it is known.
 Result<> look_at_next(SharedEye& eye, KeyframeFrames& frames, Audition& found) {
   if (Result<> made = make_next_keyframe(eye, frames); !made) return made;
-  const std::optional<SharedEye::Posted> latest = eye.latest();
-  if (!latest) return Done{};
-  const Result<std::optional<double>> loss_db = loss_ahead(latest->eye, latest->time, frames);
+  const Result<std::optional<double>> loss_db = loss_ahead(eye, frames);
   if (!loss_db) return loss_db.error();
   if (*loss_db) found.loss_db = *loss_db;
   return Done{};
@@ -143,9 +130,9 @@ void AutoFrames::look_at_first_keyframe(const Camera& camera, double time) {
   stage_ = Preparing::first_looked_at;
   keep_shown(camera, time, drawn_by_);
   prepared_ = false;
-  beside_->run([this] {
+  beside_->run([this, eye = eye_, time] {
     KeyframeFrames& frames = *prepared_keyframes();
-    const Result<std::optional<double>> loss_db = loss_ahead(made_.eye, made_.shown.time, frames);
+    const Result<std::optional<double>> loss_db = loss_ahead(eye, time, frames);
     made_.failed = !loss_db;
     if (loss_db) made_.found.loss_db = *loss_db;
     FrameLoss of_cache(&frames.rays());
@@ -158,7 +145,6 @@ void AutoFrames::look_at_first_keyframe(const Camera& camera, double time) {
 bool AutoFrames::keep_shown(const Camera& camera, double time, int drawn_by) {
   const SoftwareTarget* target = active_->software_target();
   ShownFrame& shown = made_.shown;
-  made_.eye = eye_;
   shown.camera = camera, shown.time = time, shown.by_cache = target && drawn_by == kCache;
   if (!target) return false;
   shown.color = target->color();
@@ -196,8 +182,11 @@ void AutoFrames::look_at_prepared() {
       made_.found.cache_loss_db = least_loss(beside_first, made_.found.cache_loss_db);
       // Good ones that frames made draw at once. Of others it is the next one that tells: they were
       // left behind while they were looked at, or are farther apart than later ones.
-      const bool good = is_good(made_.found, loss_db, known);
-      if (by_frames ? !good && is_near(made_.found, loss_db, known) : good)
+      const auto good = [&](double share) {
+        return made_.found.loss_db && good_beside_cache(share * *made_.found.loss_db,
+                                                        made_.found.cache_loss_db, loss_db, known);
+      };
+      if (by_frames ? !good(1) && good(kOfNext) : good(1))
         made_.failed = !look_at_next(shared_eye_, frames, made_.found);
     }
     prepared_ = true;

@@ -20,12 +20,13 @@ void FrameFade::reserve(int width, int height) {
   target_ = SoftwareTarget(width, height, 1);
 }
 
-void FrameFade::begin(const SoftwareTarget& shown, const Camera& camera, int frames, bool all) {
+void FrameFade::begin(const SoftwareTarget& shown, const Camera& camera, int frames,
+                      bool to_the_end) {
   RILIEVO_EXPECTS(frames > 0);
   old_ = shown.color();
   old_inverse_z_ = shown.inverse_z();
   old_camera_ = camera;
-  of_ = left_ = frames, all_ = all;
+  of_ = left_ = frames, to_the_end_ = to_the_end;
 }
 
 void FrameFade::mix(const SoftwareTarget& frame, const Camera& camera) {
@@ -59,7 +60,7 @@ void FrameFade::mix(const SoftwareTarget& frame, const Camera& camera) {
   most_ = 0;
   const TileDrawer* drawer = this;
   target_.draw(camera.z_far, {&drawer, 1});
-  if (most_ < kUnseen && !all_) left_ = 0;
+  if (most_ < kUnseen && !to_the_end_) left_ = 0;
 }
 
 void FrameFade::draw_objects() {

@@ -32,9 +32,9 @@ class FrameFade final : private TileDrawer {
   // Takes the memory for frames of this size now, so that no fade does.
   void reserve(int width, int height);
   // From `shown`, a frame of `camera`, in so many frames. May be the target() of a fade that goes
-  // on. `all`: in all of them, even where no more of it is seen.
+  // on. `to_the_end`: it does not end sooner where it is no longer seen.
   void begin(const SoftwareTarget& shown, const Camera& camera, int frames = kFrames,
-             bool all = false);
+             bool to_the_end = false);
   void end() { left_ = 0; }
   [[nodiscard]] bool goes_on() const { return left_ > 0; }
   // The share of its frames that are to come.
@@ -54,7 +54,7 @@ class FrameFade final : private TileDrawer {
   void draw_tile(FrameTile& tile) const override;
 
   int of_ = kFrames, left_ = 0;
-  bool all_ = false;
+  bool to_the_end_ = false;
   mutable std::atomic<double> most_{0};  // levels, of all tiles of a frame
   Rgba8Image old_;
   Image<float> old_inverse_z_;

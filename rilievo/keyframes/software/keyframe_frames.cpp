@@ -454,9 +454,9 @@ void KeyframeFrames::forget_loss() {
 
 const RayScene& KeyframeFrames::rays() const { return state_->rays; }
 
-std::uint64_t KeyframeFrames::made() const { return state_->producer->made(); }
+std::uint64_t KeyframeFrames::made_count() const { return state_->producer->made_count(); }
 
-bool KeyframeFrames::makes_one() const { return state_->producer->makes_one(); }
+bool KeyframeFrames::making() const { return state_->producer->making(); }
 
 bool KeyframeFrames::prepared() const { return !state_->any_still || state_->producer->has_all(); }
 

@@ -122,9 +122,10 @@ class KeyframeFrames final : public FrameSource {
   Result<> look_from(const Camera& camera, double time);
   // Are there keyframes to begin with?
   [[nodiscard]] bool prepared() const;
-  // How many keyframes there were; and is one being made?
-  [[nodiscard]] std::uint64_t made() const;
-  [[nodiscard]] bool makes_one() const;
+  // How many keyframes were made so far, coarse ones included.
+  [[nodiscard]] std::uint64_t made_count() const;
+  // Is a keyframe being made, in parts?
+  [[nodiscard]] bool making() const;
 
   // Looks at some pixels of the last frame, `looks` times SampledLoss::kPixels, if it was warped:
   // by how many dB what was warped is farther from the truth than direct drawing
