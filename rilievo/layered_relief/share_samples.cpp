@@ -1,15 +1,9 @@
 // How far is the nearest sample of a picture, at most, from a point of a face that is wide enough
-// to be hit? Lines of sight hit a flat face in a lattice. The points of the plane that are farthest
-// from a lattice are the centres of the circles through the corners of its triangles, the ones that
-// two shortest vectors a and b span:
-//
-//   r = |a| |b| |a - b| / (2 |a x b|)          where a.b >= 0
-//
-// of the picture that hits the face most densely, at worst over all faces: farthest_from_hits,
-// 0.866 texels of six axes with equal texels (a face across two axes, along the third). Merging put
-// what was seen there within `merged`. That has a sample of the picture within `reach` units
-// (share_unit), or, t being the picture's texel, stands in the middle of its texel, half a diagonal
-// away:
+// to be hit? Of the picture that hits the face most densely, at worst over all faces:
+// farthest_from_hits, 0.866 texels of six axes with equal texels (a face across two axes, along the
+// third). Merging put what was seen there within `merged`. That has a sample of the picture within
+// `reach` units (share_unit), or, t being the picture's texel, stands in the middle of its texel,
+// half a diagonal away:
 //
 //   lacks = farthest_from_hits + merged + max(reach share_unit, t sqrt(1 / 2))
 //
@@ -31,6 +25,9 @@
 
 #include "rilievo/core/parallel_for.h"
 #include "rilievo/layered_relief/between_samples.h"
+#include "rilievo/layered_relief/hits_on_faces.h"
+#include "rilievo/layered_relief/known_sample.h"
+#include "rilievo/layered_relief/mix_sources.h"
 #include "rilievo/layered_relief/sample_coverage.h"
 #include "rilievo/layered_relief/sample_sides.h"
 
@@ -38,37 +35,6 @@ namespace rilievo {
 namespace {
 
 constexpr std::uint32_t kNone = 0xffffffff;
-// Texels within which a sample of another picture is of the same surface: lines of sight hit it
-// within 0.87 of any point (farthest_from_hits), and this one lies up to as far from its texel's
-// middle.
-constexpr double kOneSurface = 1.25;
-// The cosine between normals from which on samples show one side of one surface.
-constexpr float kSameSide = 0.7f;
-// Leaves are a few texels wide, and what their samples know of their normals is often no more than
-// the side. Samples of both sides lie in one place, and each as far from its texel's middle: texels
-// within which they are of one leaf.
-constexpr double kOneSheet = 1.8;
-// The cosine that a picture counts with, at least, in a mean with others.
-constexpr float kLeastFaces = 0.05f;
-
-// A sample with what is known of it.
-struct Known {
-  LayerSample sample;
-  glm::vec3 normal{0};
-  float faces = 0;  // the cosine at which its picture sees it
-  std::uint32_t source = 0;
-  bool inner = false;  // of a closed object
-  bool sure = true;    // of its normal
-  bool sheet = false;  // not of a closed object: its other side is seen, too
-};
-
-Known known_of(const SampleSides& sides, std::uint32_t source, std::size_t s) {
-  const glm::vec3 forward(sides.layers().camera.forward());
-  return {sides.layers().samples[s], sides.normal(s), -glm::dot(sides.normal(s), forward), source,
-          sides.is_inner(s),
-          // Of what is not closed both sides are seen: what is not sure stays as it is.
-          sides.knows_normal(s) || !sides.is_closed(s), !sides.is_closed(s)};
-}
 
 // What is added to a picture: a list for each line of sight.
 struct Added {
@@ -89,34 +55,6 @@ struct OuterSides {
   std::vector<float> depths;  // close together, to be searched
   std::vector<Side> sides;
 };
-
-double largest_texel(const Camera& camera) {
-  return std::max((camera.window.right - camera.window.left) / camera.width,
-                  (camera.window.top - camera.window.bottom) / camera.height);
-}
-
-// Where a camera's lines of sight hit a face through the origin: how far from the nearest hit is a
-// point of the face, at most?
-double farthest_from_lattice(const Camera& camera, const glm::dvec3& normal) {
-  const glm::dvec3 forward = camera.forward();
-  const glm::dvec2 texel((camera.window.right - camera.window.left) / camera.width,
-                         (camera.window.top - camera.window.bottom) / camera.height);
-  const auto hit = [&](const glm::dvec3& aside) {
-    return aside - forward * (glm::dot(aside, normal) / glm::dot(forward, normal));
-  };
-  glm::dvec3 a = hit(texel.x * glm::dvec3(camera.world_from_eye[0]));
-  glm::dvec3 b = hit(texel.y * glm::dvec3(camera.world_from_eye[1]));
-  // The shortest two vectors that span the lattice (Lagrange, Gauss).
-  for (;;) {
-    if (glm::dot(a, a) > glm::dot(b, b)) std::swap(a, b);
-    const double times = std::round(glm::dot(a, b) / glm::dot(a, a));
-    if (times == 0) break;
-    b -= times * a;
-  }
-  if (glm::dot(a, b) < 0) b = -b;
-  return glm::length(a) * glm::length(b) * glm::distance(a, b) /
-         (2 * glm::length(glm::cross(a, b)));
-}
 
 // Calls visit(sample, world place) for each sample that `of` wants.
 template <class Of, class Visit>
@@ -178,21 +116,6 @@ OuterSides outer_sides(std::span<const SampleSides> sides, std::size_t own) {
       out.depths.push_back(found[*at].depth), out.sides.push_back(found[*at].side);
   }
   return out;
-}
-
-// Calls visit(line, squared distance) for the line of sight and those around it that are within
-// `reach` metres, from middle to middle.
-template <class Visit>
-void each_line_around(const Camera& camera, std::size_t line, double reach, const Visit& visit) {
-  const int x0 = int(line % std::size_t(camera.width)), y0 = int(line / std::size_t(camera.width));
-  for (int y = std::max(y0 - 1, 0); y <= std::min(y0 + 1, camera.height - 1); ++y)
-    for (int x = std::max(x0 - 1, 0); x <= std::min(x0 + 1, camera.width - 1); ++x) {
-      const double across = (x - x0) * (camera.window.right - camera.window.left) / camera.width;
-      const double up = (y - y0) * (camera.window.top - camera.window.bottom) / camera.height;
-      const double aside = across * across + up * up;
-      if (aside <= reach * reach)
-        visit(std::size_t(y) * std::size_t(camera.width) + std::size_t(x), aside);
-    }
 }
 
 // The inner side of a wall has the outer side's colour, if another picture sees that: whichever eye
@@ -287,110 +210,6 @@ class Lacking {
   Added added_;
 };
 
-// What samples of one picture say of a place.
-struct Opinion {
-  std::uint32_t source = 0;
-  glm::vec3 color{0};
-  float faces = 0, count = 0;  // sums
-};
-
-// What samples of several pictures say of one side of a surface.
-class Opinions {
- public:
-  void clear() { opinions_.clear(); }
-  [[nodiscard]] std::size_t size() const { return opinions_.size(); }
-  void add(const Known& of) {
-    auto found = std::find_if(opinions_.begin(), opinions_.end(),
-                              [&](const Opinion& o) { return o.source == of.source; });
-    if (found == opinions_.end()) found = opinions_.insert(found, {.source = of.source});
-    found->color += glm::vec3(of.sample.color);
-    found->faces += of.faces;
-    ++found->count;
-  }
-  [[nodiscard]] glm::vec3 mean() const {
-    glm::vec4 sum(0);
-    for (const Opinion& o : opinions_) {
-      const float faces = std::max(o.faces / o.count, kLeastFaces);
-      sum += faces * faces * glm::vec4(o.color / o.count, 1);
-    }
-    return glm::vec3(sum) / sum.a;
-  }
-
- private:
-  std::vector<Opinion> opinions_;
-};
-
-// The share of a picture's viewers that see the side whose normal is at this cosine to the way
-// towards them; they look from all over a face of a cube.
-float share_of_viewers(float faces) {
-  const float slope = faces / std::sqrt(std::max(1 - faces * faces, 1e-6f));
-  return std::clamp(0.5f * (1 + slope), 0.0f, 1.0f);
-}
-
-// The cosine between the way towards the viewers and a normal: that which several samples say, as
-// that of one alone errs, and shares of sides would differ from sample to sample.
-float facing(const glm::vec3& sum, const glm::vec3& own, const glm::vec3& forward) {
-  const float length = glm::length(sum);
-  return -glm::dot(length > 0 ? sum / length : own, forward);
-}
-
-// Is `other` seen beside `of`, on the same side of one surface?
-bool same_side(const Known& of, const Known& other) {
-  if (other.inner || !other.sure || other.sample.object != of.sample.object) return false;
-  return !of.sure ||
-         glm::dot(other.normal, of.inner ? -of.normal : of.normal) >= (of.sheet ? 0.0f : kSameSide);
-}
-
-// Does `other` show the other side of the sheet that `of` shows?
-bool other_side(const Known& of, const Known& other) {
-  return of.sheet && other.sample.object == of.sample.object &&
-         glm::dot(of.normal, other.normal) < 0;
-}
-
-// Where samples of several pictures lie side by side on one surface, each has what all of them say:
-// a highlight is elsewhere for each, and the surface would be peppered with it. A picture counts as
-// it faces the surface, squared: beside many samples of one that does, those of one
-// that sees it nearly edge-on would be a dotted line. An inner side shows what is seen of the outer
-// one. Both sides of a leaf are seen, but a place has one colour: the mean of both, by the shares
-// of the picture's viewers that see them, so that no leaf is peppered with its other side.
-void mix_sources(const LayeredDepthImage& layers, const std::vector<Known>& known, double per_metre,
-                 std::vector<LayerSample>& out) {
-  const double texel = largest_texel(layers.camera);
-  const glm::vec3 forward(layers.camera.forward());
-  std::vector<float> depths;  // close together, to be searched
-  depths.reserve(known.size());
-  for (const Known& k : known) depths.push_back(k.sample.depth);
-  Opinions opinions, others;
-  for (std::size_t line = 0; line + 1 < layers.first.size(); ++line)
-    for (std::uint64_t s = layers.first[line]; s < layers.first[line + 1]; ++s) {
-      const Known& of = known[s];
-      opinions.clear(), others.clear();
-      glm::vec3 normal(0);  // what all of them say of it
-      const double reach = (of.sheet ? kOneSheet : kOneSurface) * texel;
-      const float along = float(reach * per_metre);
-      each_line_around(layers.camera, line, reach, [&](std::size_t beside, double aside) {
-        const auto begin = depths.begin() + std::ptrdiff_t(layers.first[beside]),
-                   end = depths.begin() + std::ptrdiff_t(layers.first[beside + 1]);
-        auto at = std::lower_bound(begin, end, of.sample.depth - along);
-        for (; at != end && *at <= of.sample.depth + along; ++at) {
-          const double deeper = double(*at - of.sample.depth) / per_metre;
-          if (aside + deeper * deeper > reach * reach) continue;
-          const Known& other = known[std::size_t(at - depths.begin())];
-          if (same_side(of, other))
-            opinions.add(other), normal += other.normal;
-          else if (other_side(of, other))
-            others.add(other), normal -= other.normal;
-        }
-      });
-      glm::vec3 color(out[s].color);
-      if (opinions.size() >= (of.inner || !of.sure ? 1u : 2u)) color = opinions.mean();
-      if (others.size() > 0)
-        color =
-            glm::mix(others.mean(), color, share_of_viewers(facing(normal, of.normal, forward)));
-      out[s].color = glm::vec4(color, out[s].color.a);
-    }
-}
-
 // Its own samples and those added.
 LayeredDepthImage with(const SampleSides& own, std::uint32_t number, const OuterSides& outer,
                        const Added& added, double per_metre) {
@@ -441,29 +260,6 @@ LayeredDepthImage with(const SampleSides& own, std::uint32_t number, const Outer
 }
 
 }  // namespace
-
-double farthest_from_hits(std::span<const Camera> cameras) {
-  // Normals in a spiral over half of the sphere; each other one is within kSpacing of one of these.
-  // As far as that turns a face, its hits move along their lines of sight, by the change of the
-  // face's slope.
-  constexpr int kCount = 100'000;
-  constexpr double kSpacing = 0.01, kGolden = 2.39996322972865332;
-  constexpr double kLeastFacing = 0.05;  // what is seen at a smaller slant counts as edge-on
-  double farthest = 0;
-  for (int i = 0; i < kCount; ++i) {
-    const double z = 1 - (i + 0.5) / kCount, r = std::sqrt(1 - z * z), turn = kGolden * i;
-    const glm::dvec3 normal(r * std::cos(turn), r * std::sin(turn), z);
-    double least = std::numeric_limits<double>::infinity();
-    for (const Camera& camera : cameras) {
-      const double facing = std::abs(glm::dot(camera.forward(), normal)) - kSpacing;
-      if (facing < kLeastFacing) continue;
-      least = std::min(least,
-                       farthest_from_lattice(camera, normal) * (1 + kSpacing / (facing * facing)));
-    }
-    farthest = std::max(farthest, least);
-  }
-  return farthest;
-}
 
 bool has_places_beside(const SampleSides& sides, std::size_t sample, const glm::dvec3& forward) {
   // A face is seen at this cosine by one of three axes at least (1 / sqrt(3)), and a little less by

@@ -36,9 +36,4 @@ inline constexpr double kBetween = 0.5;
 // bodies get the outer side's colour (sample_sides.h). Requires parallel pictures.
 void share_samples(ReliefPictures& pictures, double reach);
 
-// How far from a point of a flat face is the nearest hit of a line of sight on it, at most,
-// whichever way the face looks? The cameras are parallel; each face counts by the one that samples
-// it best. Infinite if some face is seen edge-on by all.
-[[nodiscard]] double farthest_from_hits(std::span<const Camera> cameras);
-
 }  // namespace rilievo

@@ -19,7 +19,7 @@
 #include "rilievo/layered_relief/between_samples.h"
 #include "rilievo/layered_relief/relief_bound.h"
 #include "rilievo/layered_relief/relief_drawable.h"
-#include "rilievo/layered_relief/sample_sides.h"
+#include "rilievo/layered_relief/two_sided_ball_test_helpers.h"
 #include "rilievo/nailboard/software/software_boards.h"
 #include "rilievo/render/rays/cast_picture.h"
 #include "rilievo/render/software/software_target.h"
@@ -341,39 +341,6 @@ TEST(ShareSamples, pictures_get_the_samples_that_have_none_of_their_own_within_r
   }
 }
 
-// A ball whose outer side is red and whose inner side is blue, wherever it is seen from.
-ReliefPictures two_sided_ball(int size) {
-  ReliefPictures made;
-  const Box box{glm::vec3(-1), glm::vec3(1)};
-  const auto directions = relief_directions(6);
-  for (const glm::dvec3& direction : *directions) {
-    LayeredDepthImage layers;
-    layers.camera = *relief_camera(box, direction, size);
-    const Camera& camera = layers.camera;
-    layers.first.push_back(0);
-    for (int y = 0; y < camera.height; ++y)
-      for (int x = 0; x < camera.width; ++x) {
-        const glm::dvec3 at = world_from_raster(camera, {x + 0.5, y + 0.5}, 0.0);
-        const glm::dvec3 forward = camera.forward();
-        const double middle = -glm::dot(at, forward);
-        const double across = glm::length(at + middle * forward);
-        if (across < 0.9) {
-          const double half = std::sqrt(0.81 - across * across);
-          for (const double z : {middle - half, middle + half}) {
-            LayerSample sample;
-            sample.color = z < middle ? glm::vec4(1, 0, 0, 1) : glm::vec4(0, 0, 1, 1);
-            sample.depth = sample.back = float(z);
-            sample.object = 1;
-            layers.samples.push_back(sample);
-          }
-        }
-        layers.first.push_back(layers.samples.size());
-      }
-    made.pictures.push_back({std::move(layers), 0, 0, 0});
-  }
-  return made;
-}
-
 TEST(ShareSamples, the_inner_side_of_a_body_does_not_pepper_its_outer_side) {
   const ReliefPictures before = two_sided_ball(48);
   ReliefPictures after = before;
@@ -485,113 +452,6 @@ TEST(ShareSamples, a_sheet_is_not_peppered_with_its_other_side) {
   EXPECT_LT(green(2).y, 0.12);
 }
 
-TEST(SampleSides, bodies_are_closed_and_sheets_are_not) {
-  const ReliefPictures ball = two_sided_ball(32);
-  std::vector<const LayeredDepthImage*> all;
-  for (const ReliefPictures::Picture& picture : ball.pictures) all.push_back(&picture.layers);
-  EXPECT_TRUE(find_closed_objects(all).contains(1));
-  // Half of it is met once.
-  ReliefPictures half = ball;
-  for (ReliefPictures::Picture& picture : half.pictures) {
-    LayeredDepthImage& layers = picture.layers;
-    LayeredDepthImage cut = layers;
-    cut.samples.clear(), cut.first = {0};
-    for (std::size_t line = 0; line + 1 < layers.first.size(); ++line) {
-      for (std::uint64_t s = layers.first[line]; s < layers.first[line + 1]; ++s) {
-        const int w = layers.camera.width;
-        const glm::dvec3 at = world_from_raster(
-            layers.camera,
-            {double(line % std::size_t(w)) + 0.5, double(line / std::size_t(w)) + 0.5},
-            double(layers.samples[s].depth));
-        if (at.x + at.y + at.z > 0) cut.samples.push_back(layers.samples[s]);
-      }
-      cut.first.push_back(cut.samples.size());
-    }
-    layers = std::move(cut);
-  }
-  all.clear();
-  for (const ReliefPictures::Picture& picture : half.pictures) all.push_back(&picture.layers);
-  EXPECT_TRUE(find_closed_objects(all).empty());
-}
-
-// Of some lines of sight one hit is missing, as where surfaces that touch were merged: the others
-// have the side that their neighbours have. Told by where a ball's surface is.
-TEST(SampleSides, where_a_hit_is_missing_sides_follow_from_neighbours) {
-  std::mt19937 rng(3);
-  ReliefPictures balls = two_sided_ball(48);
-  for (ReliefPictures::Picture& picture : balls.pictures) {
-    // A second ball behind the first one. Of one line of eight the first ball's first or second hit
-    // is missing.
-    LayeredDepthImage& layers = picture.layers;
-    LayeredDepthImage two = layers;
-    two.samples.clear(), two.first = {0};
-    for (std::size_t line = 0; line + 1 < layers.first.size(); ++line) {
-      const std::size_t begin = layers.first[line], end = layers.first[line + 1];
-      const std::size_t missing = rng() % 8 == 0 ? begin + rng() % 2 : end;
-      for (std::size_t s = begin; s < end; ++s)
-        if (s != missing) two.samples.push_back(layers.samples[s]);
-      for (std::size_t s = begin; s < end; ++s) {
-        two.samples.push_back(layers.samples[s]);
-        two.samples.back().depth += 4, two.samples.back().back += 4;
-      }
-      two.first.push_back(two.samples.size());
-    }
-    layers = std::move(two);
-  }
-  std::vector<const LayeredDepthImage*> all;
-  for (const ReliefPictures::Picture& picture : balls.pictures) all.push_back(&picture.layers);
-  const std::unordered_set<std::uint32_t> closed = find_closed_objects(all);
-  ASSERT_TRUE(closed.contains(1));
-  int odd = 0, wrong = 0;
-  for (const LayeredDepthImage* layers : all) {
-    const SampleSides sides(*layers, closed);
-    const Camera& camera = layers->camera;
-    const auto w = std::size_t(camera.width);
-    for (std::size_t line = 0; line + 1 < layers->first.size(); ++line) {
-      const std::size_t begin = layers->first[line], end = layers->first[line + 1];
-      if ((end - begin) % 2 == 0) continue;
-      for (std::size_t s = begin; s < end; ++s) {
-        const glm::dvec3 at =
-            world_from_raster(camera, {double(line % w) + 0.5, double(line / w) + 0.5},
-                              double(layers->samples[s].depth));
-        const bool first_ball = s == begin;
-        const glm::dvec3 centre = first_ball ? glm::dvec3(0) : 4.0 * camera.forward();
-        const double faces = -glm::dot(glm::normalize(at - centre), camera.forward());
-        // Near its rim both of a ball's sides are close together and across.
-        if (std::abs(faces) < 0.4) continue;
-        ++odd;
-        wrong += sides.is_outer(s) != (faces > 0);
-      }
-    }
-  }
-  EXPECT_GT(odd, 1000);
-  EXPECT_EQ(wrong, 0);
-}
-
-// The normals of a ball are its radii.
-TEST(SampleSides, normals_point_at_the_viewers) {
-  const ReliefPictures ball = two_sided_ball(64);
-  const std::unordered_set<std::uint32_t> closed{1};
-  for (const ReliefPictures::Picture& picture : ball.pictures) {
-    const SampleSides sides(picture.layers, closed);
-    const Camera& camera = picture.layers.camera;
-    int seen = 0;
-    for (std::size_t line = 0; line + 1 < picture.layers.first.size(); ++line)
-      for (std::uint64_t s = picture.layers.first[line]; s < picture.layers.first[line + 1]; ++s) {
-        const auto w = std::size_t(camera.width);
-        const glm::dvec3 at =
-            world_from_raster(camera, {double(line % w) + 0.5, double(line / w) + 0.5},
-                              double(picture.layers.samples[s].depth));
-        const bool front = s == picture.layers.first[line];
-        const glm::dvec3 normal = (front ? 1.0 : -1.0) * glm::normalize(at);
-        if (-glm::dot(normal, camera.forward()) < 0.4) continue;
-        EXPECT_GT(glm::dot(glm::dvec3(sides.normal(s)), normal), 0.99);
-        ++seen;
-      }
-    EXPECT_GT(seen, 2000);
-  }
-}
-
 // What was merged stands elsewhere than where it was seen.
 TEST(ShareSamples, what_was_merged_away_has_a_sample_as_near_as_claimed) {
   Random random(37);
@@ -616,57 +476,6 @@ TEST(ShareSamples, what_was_merged_away_has_a_sample_as_near_as_claimed) {
       EXPECT_LE(farthest, 1);
     }
   }
-}
-
-std::vector<Camera> cameras_around(int count, const Box& box, int size) {
-  std::vector<Camera> cameras;
-  const auto directions = relief_directions(count);
-  for (const glm::dvec3& direction : *directions)
-    cameras.push_back(*relief_camera(box, direction, size));
-  return cameras;
-}
-
-TEST(ShareSamples, six_axes_hit_each_face_within_0_87_texels_and_one_axis_does_not) {
-  const Box cube{glm::vec3(-1), glm::vec3(1)};
-  const double texel = 2.0 / 64, six = farthest_from_hits(cameras_around(6, cube, 64));
-  // A face across two axes, seen along one of them: a lattice of 1 by sqrt(2).
-  EXPECT_GE(six, 0.5 * std::sqrt(3.0) * texel);
-  EXPECT_LE(six, 0.5 * std::sqrt(3.0) * texel * 1.03);
-  EXPECT_TRUE(std::isinf(farthest_from_hits(cameras_around(2, cube, 64))));
-  EXPECT_LT(farthest_from_hits(cameras_around(20, cube, 64)), six * 1.5);
-}
-
-// Against the hits themselves, around random points of random faces.
-TEST(ShareSamples, no_point_of_a_face_is_farther_from_a_hit_than_claimed) {
-  Random random(33);
-  double tightest = 0;
-  for (int i = 0; i < sanitized_cases(300); ++i) {
-    const Box box{glm::vec3(0), glm::vec3(random.between(0.5f, 2), random.between(0.5f, 2), 1)};
-    if (i % 30) continue;
-    const std::vector<Camera> cameras = cameras_around(i % 60 ? 6 : 12, box, 40);
-    const double claimed = farthest_from_hits(cameras);
-    for (int k = 0; k < 2000; ++k) {
-      const glm::dvec3 normal(random_direction(random));
-      const glm::dvec3 at(random.unit(), random.unit(), random.unit());
-      double least = 1e9;
-      for (const Camera& camera : cameras) {
-        const double facing = glm::dot(camera.forward(), normal);
-        if (std::abs(facing) < 0.2) continue;  // hits are five texels apart
-        const glm::dvec2 raster(raster_from_world(camera, at));
-        for (int y = -3; y <= 3; ++y)
-          for (int x = -3; x <= 3; ++x) {
-            const glm::dvec3 on_line =
-                world_from_raster(camera, glm::floor(raster) + glm::dvec2(x + 0.5, y + 0.5), 1.0);
-            const glm::dvec3 hit =
-                on_line + camera.forward() * (glm::dot(at - on_line, normal) / facing);
-            least = std::min(least, glm::distance(at, hit));
-          }
-      }
-      ASSERT_LE(least, claimed);
-      tightest = std::max(tightest, least / claimed);
-    }
-  }
-  EXPECT_GT(tightest, kSanitized ? 0.7 : 0.8);  // of fewer cases
 }
 
 // Is a bound of cracks claimed of a drawable of these pictures? One of errors always is.
