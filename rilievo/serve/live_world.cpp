@@ -1,5 +1,4 @@
 #include "rilievo/serve/live_world.h"
-#include "rilievo/core/stopwatch.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,6 +12,7 @@
 
 #include "rilievo/core/background.h"
 #include "rilievo/core/expects.h"
+#include "rilievo/core/stopwatch.h"
 #include "rilievo/keyframes/keyframe.h"
 #include "rilievo/serve/forecast.h"
 #include "rilievo/serve/live_picture.h"

@@ -94,9 +94,9 @@ class LiveServer {
   // Any thread: ends run().
   void stop();
 
+  struct State;  // of its connections, too (live_connection.h)
+
  private:
-  friend class LiveConnection;
-  struct State;
   explicit LiveServer(std::unique_ptr<State> state);
   std::unique_ptr<State> state_;
 };
