@@ -142,11 +142,14 @@ void AutoFrames::learn_direct(double ms, bool trial) {
 }
 
 // Who draws took `times` what was counted for that. What was measured before took that long,
-// whatever is said of the machine now.
+// whatever is said of the machine now; what was counted takes as much longer.
 void AutoFrames::learn_slowness(MachineSlowness::Source source, double times, bool at_most) {
   const double more = slowness_.add(source, times, at_most);
-  for (double& off : off_)
-    if (off != 1) off = std::clamp(off / more, 1 / kMostOff, kMostOff);
+  for (int method = 0; method < kMethods; ++method) {
+    const bool as_direct = method == kDirect || (method == kLevels && !frames_[kLevels]);
+    if (off_[method] == 1 || (as_direct && direct_counted_)) continue;
+    off_[method] = std::clamp(off_[method] / more, 1 / kMostOff, kMostOff);
+  }
 }
 
 // Are its frames as near to the truth as polygons, or as can be seen?
