@@ -21,7 +21,7 @@ constexpr double kKeyframesWorthALook = 1 / AutoDecision::kWorthPreparing;
 // less than polygons are made whatever these take. Else polygons are taken to take that share of
 // what was counted, or of the first frame's time if that is less: along eight walks they took 0.45
 // to 1.1 of it. What is taken to be too cheap would be tried for nothing.
-constexpr double kDrawnAgainMs = 100, kOfFirst = 0.8;
+constexpr double kDrawnAgainMs = 250, kOfFirst = 0.8;
 // Levels of detail leave about so many triangles for a pixel of an object's bounds, and so many of
 // an object at least.
 constexpr double kLevelTriangles = 2, kLeastLevel = 300;
