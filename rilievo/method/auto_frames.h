@@ -85,6 +85,7 @@ class AutoFrames final : public FrameSource {
     bool followed = false;                       // keyframes know how the eye moves
     bool jumped = false;                         // the eye did, since they were last told
     int jumped_in = 0;                           // the frame in which it did last
+    int first_in = 0;                            // the frame that made the first keyframe
     bool by_frames = false, first_seen = false;  // keyframes: frames make them; the first was seen
     KeyframesDoubt doubt;                        // of those
     UsualTime usual;

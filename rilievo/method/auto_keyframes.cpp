@@ -173,8 +173,9 @@ bool kept_after_trial(int frames, int warm_up, double keyframes_ms, double cache
 }
 
 Result<std::optional<double>> loss_ahead(const EyePrediction& eye, double time,
-                                         KeyframeFrames& frames) {
-  return loss_from(eye.after(0.5 * frames.least_frames_for_one()), time, frames);
+                                         KeyframeFrames& frames, int age) {
+  const double ahead = std::max(0.5 * frames.least_frames_for_one() - age, 0.0);
+  return loss_from(eye.after(ahead), time, frames);
 }
 
 Camera eye_aside(const Camera& camera, const Image<float>& inverse_z, double pixels) {

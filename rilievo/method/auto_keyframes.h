@@ -129,10 +129,11 @@ class KeyframesDoubt {
 
 // What is warped from keyframes loses where the eye will be when the next one is half complete, as
 // far as these show it; halfway both are the farthest. One that gets a share of frames is taken to
-// come as soon as it may: frames are looked at when they draw. None: it is not known. Fails where
-// memory does not suffice.
+// come as soon as it may: frames are looked at when they draw. `age`: the frames since the newest
+// was made, by which the eye is nearer to that place. None: it is not known. Fails where memory
+// does not suffice.
 [[nodiscard]] Result<std::optional<double>> loss_ahead(const EyePrediction& eye, double time,
-                                                       KeyframeFrames& frames);
+                                                       KeyframeFrames& frames, int age = 0);
 
 // The same ahead of where the eye is now. None: no frame was drawn yet, too.
 [[nodiscard]] Result<std::optional<double>> loss_ahead(SharedEye& eye, KeyframeFrames& frames);

@@ -366,6 +366,13 @@ TEST(AutoKeyframes, one_more_is_made_for_an_eye_that_has_gone_on) {
   for (int i = 0; i < 24; ++i) go_on();
   const Result<std::optional<double>> left_behind = loss_ahead(eye, 0, **frames);
   ASSERT_TRUE(left_behind.ok() && *left_behind);
+  // Of one that is as old as half the way to the next, it is where the eye is that counts.
+  const double half = 0.5 * (*frames)->least_frames_for_one();
+  const Result<std::optional<double>> here = loss_ahead(eye, 0, **frames, int(std::ceil(half))),
+                                      older = loss_ahead(eye, 0, **frames, 1000);
+  ASSERT_TRUE(here.ok() && older.ok() && *here && *older);
+  EXPECT_NEAR(**here, **older, 0.3);  // other pixels are looked at
+  EXPECT_LT(**here, **left_behind);
   SharedEye shared;
   EXPECT_FALSE(shared.latest());
   const auto make = [&](bool moves) {

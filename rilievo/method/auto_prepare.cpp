@@ -116,6 +116,13 @@ void AutoFrames::make_part(const Camera& camera, double time, double ms) {
   if (!std::exchange(made_.followed, true)) follow_way(eye_, time, frames);
   const double part_ms =
       time_for_keyframes(ms, usual_ms, outlook_[kDirect].guess_ms, outlook_[kKeyframes].guess_ms);
+  // All of one in this frame must be likely to be of use: where the first frame made one, it tells.
+  const bool any = frames.any() && !jumped;
+  if (!any) made_.first_in = frame_;
+  if (any && part_ms == KeyframeProducer::kAtOnce && !std::exchange(made_.first_seen, true)) {
+    look_at_first_keyframe(camera, time);
+    return;
+  }
   if (!frames.prepare(camera, time, jumped, part_ms)) {
     made_.failed = true, stage_ = Preparing::made;
   } else if (frames.prepared()) {
@@ -130,9 +137,9 @@ void AutoFrames::look_at_first_keyframe(const Camera& camera, double time) {
   stage_ = Preparing::first_looked_at;
   keep_shown(camera, time, drawn_by_);
   prepared_ = false;
-  beside_->run([this, eye = eye_, time] {
+  beside_->run([this, eye = eye_, time, age = frame_ - made_.first_in] {
     KeyframeFrames& frames = *prepared_keyframes();
-    const Result<std::optional<double>> loss_db = loss_ahead(eye, time, frames);
+    const Result<std::optional<double>> loss_db = loss_ahead(eye, time, frames, age);
     made_.failed = !loss_db;
     if (loss_db) made_.found.loss_db = *loss_db;
     FrameLoss of_cache(&frames.rays());
