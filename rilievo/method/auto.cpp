@@ -168,6 +168,7 @@ void AutoFrames::begin_fade(int to) {
     frames = std::min(frames, std::max(fade_.mixed(), 1));
   catches_up_ = to == kCache && frame_ - cache_drawn_ <= kPicturesLast;
   fade_.begin(*shown_, shown_camera_, frames, catches_up_);
+  moved_.begin_fade(within);
   // What fades out now is a mix of two.
   fades_out_ = within ? -1 : drawn_by_;
 }
@@ -189,8 +190,9 @@ void AutoFrames::fade(const Camera& camera) {
   const SoftwareTarget* now = active_->software_target();
   if (!now || only_direct_ || eye_.jumped() || !as_large_as_shown(camera)) fade_.end();
   shown_ = now, shown_camera_ = camera;
+  moved_.show(backend_.placed());
   if (!fade_.goes_on()) return;
-  fade_.mix(*now, camera);
+  fade_.mix(*now, camera, moved_.since(backend_.placed()));
   shown_ = &fade_.target();
   stats_.bound_px.reset();  // of a mean of two frames none is known
 }

@@ -23,6 +23,7 @@
 #include "rilievo/method/frame_load.h"
 #include "rilievo/method/machine_slowness.h"
 #include "rilievo/method/method.h"
+#include "rilievo/method/moved_objects.h"
 #include "rilievo/method/piece_loss.h"
 #include "rilievo/render/rays/ray_visibility.h"
 
@@ -102,7 +103,8 @@ class AutoFrames final : public FrameSource {
         backend_(backend),
         threads_(options.by_clock ? int(std::max(1u, std::thread::hardware_concurrency())) : 2),
         triangles_(count_triangles(backend.scene())),
-        meshes_triangles_(count_mesh_triangles(backend.scene())) {}
+        meshes_triangles_(count_mesh_triangles(backend.scene())),
+        moved_(backend.scene()) {}
 
   [[nodiscard]] static std::uint64_t count_mesh_triangles(const Scene& scene);
   Result<> begin(const Camera& camera, double time);
@@ -183,6 +185,7 @@ class AutoFrames final : public FrameSource {
   double looked_triangles_ = 0;  // in view, when it was seen what they lose
   FrameSource* active_ = nullptr;
   FrameFade fade_;                         // from another method's frames
+  MovedObjects moved_;                     // since the frame that it fades from
   int fades_out_ = -1;                     // that method
   int still_frames_ = 0;                   // the eye has not moved for so many
   const SoftwareTarget* shown_ = nullptr;  // the last frame; null: no software drew it

@@ -3,6 +3,8 @@
 #include "rilievo/method/fade_tile.h"
 
 #include <algorithm>
+#include <array>
+#include <span>
 
 // This file is compiled once for each instruction set.
 #undef HWY_TARGET_INCLUDE
@@ -26,6 +28,9 @@ using VU = hn::Vec<U>;
 // Surfaces are the same, or as leaves of one tree, where their distances from the old eye differ by
 // at most this share.
 constexpr float kSameSurface = 0.15f;
+
+// More that has moved in one tile is not told apart: all of it is new.
+constexpr std::size_t kMostMoved = 64;
 
 // Each byte of a and b, b with so many shares of 256.
 HWY_INLINE VU mix_bytes(VU a, VU b, VU of_b) {
@@ -128,8 +133,20 @@ HWY_INLINE OldPixels gather_texels(const FadedFrames& frames, const OldTexels& a
       texels(at.first), texels(hn::Add(at.first, one)), texels(lower), texels(hn::Add(lower, one)));
 }
 
+// In which pixels of row y is what has moved, or was in the old frame?
+HWY_INLINE hn::Mask<F> has_moved(std::span<const MovedRect* const> moved, int y, VF across) {
+  const F f;
+  auto any = hn::Lt(across, hn::Zero(f));  // none
+  for (const MovedRect* rect : moved)
+    if (float(y) >= rect->top && float(y) < rect->bottom)
+      any = hn::Or(any, hn::And(hn::Ge(across, hn::Set(f, rect->left)),
+                                hn::Lt(across, hn::Set(f, rect->right))));
+  return any;
+}
+
 // Pixels from (x, y) on, whose colours and depths are given.
-HWY_INLINE VU mixed(const FadedFrames& frames, int x, int y, VU color, VF w) {
+HWY_INLINE VU mixed(const FadedFrames& frames, std::span<const MovedRect* const> moved, int x,
+                    int y, VU color, VF w) {
   const F f;
   const I i;
   const U u;
@@ -169,8 +186,9 @@ HWY_INLINE VU mixed(const FadedFrames& frames, int x, int y, VU color, VF w) {
                                   from + frames.width + 2 * lanes <= frames.width * frames.height;
   const OldPixels old = near_by_each_other ? load_texels(frames, texels, std::size_t(from), offset)
                                            : gather_texels(frames, texels);
-  const auto same = hn::And(inside, hn::Le(hn::Abs(hn::Sub(old.inverse_z, expected)),
-                                           hn::Mul(of(kSameSurface), expected)));
+  auto same = hn::And(inside, hn::Le(hn::Abs(hn::Sub(old.inverse_z, expected)),
+                                     hn::Mul(of(kSameSurface), expected)));
+  if (!moved.empty()) same = hn::AndNot(has_moved(moved, y, across), same);
   const VF passed = hn::Mul(w, of(frames.way));
   const VF as_before =
       hn::Mul(hn::Sub(of(kOtherShading), passed), of(1 / (kOtherShading - kSameShading)));
@@ -191,6 +209,15 @@ double fade(const FadedFrames& frames, FrameTile& tile) {
   float last_depths[kBlock] = {};
   std::uint32_t last_colors[kBlock] = {};
   VU of_old = hn::Zero(u);
+  std::array<const MovedRect*, kMostMoved> rects;
+  std::size_t count_moved = 0;
+  for (const MovedRect& rect : frames.moved)
+    if (rect.left < float(tile.x + columns) && rect.right > float(tile.x) &&
+        rect.top < float(tile.y + rows) && rect.bottom > float(tile.y) &&
+        count_moved++ < rects.size())
+      rects[count_moved - 1] = &rect;
+  const bool all_moved = count_moved > rects.size();
+  const std::span<const MovedRect* const> moved(rects.data(), all_moved ? 0 : count_moved);
   for (int y = 0; y < rows; ++y) {
     const std::size_t row =
         std::size_t(tile.y + y) * std::size_t(frames.width) + std::size_t(tile.x);
@@ -208,7 +235,7 @@ double fade(const FadedFrames& frames, FrameTile& tile) {
       }
       const VF w = hn::LoadU(f, depths);
       const VU color = hn::LoadU(u, colors);
-      const VU mix = mixed(frames, tile.x + x, tile.y + y, color, w);
+      const VU mix = all_moved ? color : mixed(frames, moved, tile.x + x, tile.y + y, color, w);
       hn::Store(mix, u, plane.content + at);
       of_old = hn::Add(of_old, hn::IfThenElseZero(hn::FirstN(u, count), difference(mix, color)));
       hn::Store(w, f, plane.inverse_z + at);

@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <span>
 
 #include "rilievo/render/software/frame_tile.h"
 
@@ -17,6 +18,13 @@ namespace rilievo {
 // What is seen from the side of another direction shines otherwise: of a surface that the eye has
 // passed by the first angle all of the old frame counts, and nothing by the second one, in radians.
 inline constexpr float kSameShading = 0.03f, kOtherShading = 0.1f;
+
+// Where something was or is that has moved between the frames: pixels of the new frame from left
+// and top on, up to right and bottom. Its silhouette is mixed with what is behind it, so that
+// depths do not tell its pixels.
+struct MovedRect {
+  float left = 0, top = 0, right = 0, bottom = 0;
+};
 
 // Two frames of the same size.
 struct FadedFrames {
@@ -32,11 +40,12 @@ struct FadedFrames {
   glm::vec2 to_raster{1}, raster_start{0};
   float way = 0;                 // of the eye, between the frames
   std::uint32_t old_weight = 0;  // in shares of 256
+  std::span<const MovedRect> moved;
 };
 
 // Fills the tile's first samples with the mixed colours, or with the new frame's where the old one
-// shows another surface, and with the new depths. Returns by how many levels, of 255, a byte of a
-// colour differs from the new frame's in the mean. SIMD.
+// shows another surface, or either what has moved, and with the new depths. Returns by how many
+// levels, of 255, a byte of a colour differs from the new frame's in the mean. SIMD.
 double fade_tile(const FadedFrames& frames, FrameTile& tile);
 
 }  // namespace rilievo

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 
+#include "rilievo/core/box_view.h"
 #include "rilievo/core/expects.h"
 
 namespace rilievo {
@@ -10,6 +11,20 @@ namespace {
 
 const std::uint32_t* words(const Rgba8Image& image) {
   return reinterpret_cast<const std::uint32_t*>(image.texels().data());
+}
+
+// Where a box is seen in a frame of `camera` whose eye is `way` metres from the old one. The old
+// frame is looked up by the new one's depths, so that what was before them is aside by as much as
+// the eye's way lets it be.
+MovedRect rect_around(const Box& box, const Camera& camera, double way) {
+  const BoxView view = view_of_box(eye_from_world(camera), box, camera.projection);
+  const RasterRect rect = rect_of_box(camera, view);
+  const double pixels = camera.width / (camera.window.right - camera.window.left),
+               around = 1 + way * pixels / std::max(view.nearest, camera.z_near);
+  // Behind the eye there is nothing to be seen of it.
+  if (view.farthest < camera.z_near || rect.empty()) return {};
+  return {float(rect.left - around), float(rect.top - around), float(rect.right + around),
+          float(rect.bottom + around)};
 }
 
 }  // namespace
@@ -29,7 +44,7 @@ void FrameFade::begin(const SoftwareTarget& shown, const Camera& camera, int fra
   of_ = left_ = frames, to_the_end_ = to_the_end;
 }
 
-void FrameFade::mix(const SoftwareTarget& frame, const Camera& camera) {
+void FrameFade::mix(const SoftwareTarget& frame, const Camera& camera, std::span<const Box> moved) {
   RILIEVO_EXPECTS(left_ > 0);
   RILIEVO_EXPECTS(frame.width() == old_.width() && frame.height() == old_.height());
   camera_ = camera;
@@ -57,6 +72,9 @@ void FrameFade::mix(const SoftwareTarget& frame, const Camera& camera) {
   frames_.to_raster = {float(old_camera_.width / (old.right - old.left)),
                        float(old_camera_.height / (old.bottom - old.top))};
   frames_.raster_start = {float(old.left), float(old.top)};
+  moved_.clear();
+  for (const Box& box : moved) moved_.push_back(rect_around(box, camera, double(frames_.way)));
+  frames_.moved = moved_;
   most_ = 0;
   const TileDrawer* drawer = this;
   target_.draw(camera.z_far, {&drawer, 1});

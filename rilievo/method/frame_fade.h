@@ -3,13 +3,17 @@
 // Where two methods show the same in different ways a change from one to the other pops. For some
 // frames each pixel is mixed with what the last frame before the change shows at the same place:
 // the new frame's depth says where that is. What the old frame does not show is new at once, and so
-// is what the eye has passed close by, which shines otherwise, and what differs by no more than the
-// old frame does between its texels there. So the methods do not both have to draw.
+// is what the eye has passed close by, which shines otherwise, what has moved, where it was and
+// where it is, and what differs by no more than the old frame does between its texels there. So the
+// methods do not both have to draw.
 #pragma once
 
 #include <atomic>
 #include <cstdint>
+#include <span>
+#include <vector>
 
+#include "rilievo/core/bounds.h"
 #include "rilievo/core/camera.h"
 #include "rilievo/core/color.h"
 #include "rilievo/method/fade_tile.h"
@@ -43,8 +47,10 @@ class FrameFade final : private TileDrawer {
   // after a few: to fade back takes no more frames than that.
   [[nodiscard]] int mixed() const { return of_ - left_; }
 
-  // The next frame, which must be of the same size. Requires goes_on().
-  void mix(const SoftwareTarget& frame, const Camera& camera);
+  // The next frame, which must be of the same size. `moved`: in world space, boxes around each
+  // thing that has moved since the frame before the fade, where it was and where it is. Requires
+  // goes_on().
+  void mix(const SoftwareTarget& frame, const Camera& camera, std::span<const Box> moved = {});
   // Its objects are those of the frame that was mixed last.
   void draw_objects();
   // The last frame that was mixed. It has one sample a pixel.
@@ -61,6 +67,7 @@ class FrameFade final : private TileDrawer {
   Camera old_camera_, camera_;
   SoftwareTarget target_{1, 1, 1};
   const SoftwareTarget* frame_ = nullptr;
+  std::vector<MovedRect> moved_;
   FadedFrames frames_;
 };
 

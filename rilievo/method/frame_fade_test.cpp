@@ -6,10 +6,13 @@
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
 #include <memory>
+#include <span>
 #include <vector>
 
+#include "rilievo/core/box_view.h"
 #include "rilievo/frame/software/software_backend.h"
 #include "rilievo/method/method.h"
+#include "rilievo/method/moved_objects.h"
 #include "rilievo/scene/builtin/builtin.h"
 
 namespace rilievo {
@@ -270,6 +273,80 @@ TEST_F(FrameFadeTest, objects_are_those_of_the_new_frame) {
   ASSERT_TRUE(frames_[0]->draw_objects().ok());
   fade.draw_objects();
   EXPECT_TRUE(fade.target().objects() == frames_[0]->software_target()->objects());
+}
+
+// Each pixel is the new frame's where the box is seen, and else as if nothing had moved.
+TEST_F(FrameFadeTest, what_has_moved_is_new_at_once) {
+  const SoftwareTarget& now = draw(0, 0);
+  const SoftwareTarget old = darker(now);
+  PlacedScene placed(scene_);
+  placed.set_time(0);
+  const Box box = placed.bounds()[scene_.objects.size() / 2];
+  const Camera eye = camera(0);
+  const RasterRect rect =
+      rect_of_box(eye, view_of_box(eye_from_world(eye), box, Projection::perspective));
+  FrameFade fade;
+  fade.begin(old, eye);
+  fade.mix(now, eye);
+  const Rgba8Image all = fade.target().color();
+  fade.begin(old, eye);
+  fade.mix(now, eye, {&box, 1});
+  int as_new = 0, as_mixed = 0;
+  for (int y = 0; y < now.height(); ++y)
+    for (int x = 0; x < now.width(); ++x) {
+      // The rectangle is a pixel wider; at its rim either may be.
+      const bool within = x + 0.5 > rect.left && x + 0.5 < rect.right && y + 0.5 > rect.top &&
+                          y + 0.5 < rect.bottom;
+      const bool around =
+          x > rect.left - 2 && x < rect.right + 2 && y > rect.top - 2 && y < rect.bottom + 2;
+      const glm::u8vec4 shown = fade.target().color()(x, y);
+      if (within) {
+        ASSERT_EQ(shown, now.color()(x, y)) << x << ' ' << y;
+      } else if (!around) {
+        ASSERT_EQ(shown, all(x, y)) << x << ' ' << y;
+      }
+      as_new += within && now.color()(x, y) != all(x, y);
+      as_mixed += !around && now.color()(x, y) != all(x, y);
+    }
+  EXPECT_GT(as_new, 100);
+  EXPECT_GT(as_mixed, 1000);
+  // Of more than are told apart nothing is mixed; what is behind the eye is not seen.
+  const std::vector<Box> many(70, box);
+  fade.begin(old, eye);
+  fade.mix(now, eye, many);
+  EXPECT_EQ(fade.target().color()(int(rect.left) + 1, int(rect.top) + 1),
+            now.color()(int(rect.left) + 1, int(rect.top) + 1));
+  const glm::vec3 behind(eye.position() - 10.0 * eye.forward());
+  const Box unseen{behind - 1.0f, behind + 1.0f};
+  fade.begin(old, eye);
+  fade.mix(now, eye, {&unseen, 1});
+  EXPECT_TRUE(fade.target().color() == all);
+}
+
+// Cars on a bridge were seen twice while a frame of 0.3 s before faded out.
+TEST(FrameFadeOfMoving, nothing_is_seen_twice) {
+  const auto built = make_builtin("builtin:bridge?triangles=200000");
+  ASSERT_TRUE(built.ok());
+  const Camera eye = camera_at(built->path, frame_time(built->path, 0), 320, 180);
+  SoftwareBackend backend(built->scene, 4);
+  Result<Method> made = make_method("direct-raster", {}, backend);
+  ASSERT_TRUE(made.ok());
+  MovedObjects moved(built->scene);
+  FrameFade fade;
+  for (const bool told : {false, true}) {
+    ASSERT_TRUE(made->frames->draw(eye, 0).ok());
+    moved.show(backend.placed());
+    moved.begin_fade(false);
+    EXPECT_TRUE(moved.since(backend.placed()).empty());
+    fade.begin(*made->frames->software_target(), eye);
+    ASSERT_TRUE(made->frames->draw(eye, 0.3).ok());
+    const SoftwareTarget& now = *made->frames->software_target();
+    const std::span<const Box> boxes = moved.since(backend.placed());
+    EXPECT_GT(boxes.size(), 3u);
+    fade.mix(now, eye, told ? boxes : std::span<const Box>());
+    // All that differs is what has moved.
+    EXPECT_EQ(fade.target().color() == now.color(), told);
+  }
 }
 
 }  // namespace

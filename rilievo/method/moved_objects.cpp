@@ -1,0 +1,38 @@
+#include "rilievo/method/moved_objects.h"
+
+namespace rilievo {
+
+MovedObjects::MovedObjects(const Scene& scene) {
+  for (std::size_t i = 0; i < scene.objects.size(); ++i)
+    if (scene.objects[i].moving) moving_.push_back(std::uint32_t(i));
+  shown_.resize(moving_.size()), faded_.resize(moving_.size());
+  boxes_.reserve(moving_.size());
+}
+
+void MovedObjects::show(const PlacedScene& placed) {
+  for (std::size_t i = 0; i < moving_.size(); ++i)
+    shown_[i] = {placed.poses()[moving_[i]], placed.bounds()[moving_[i]]};
+}
+
+void MovedObjects::begin_fade(bool mixed) {
+  for (std::size_t i = 0; i < moving_.size(); ++i) {
+    const Box before = faded_[i].bounds;
+    faded_[i] = shown_[i];
+    if (mixed) faded_[i].bounds.add(before);
+  }
+}
+
+std::span<const Box> MovedObjects::since(const PlacedScene& placed) {
+  boxes_.clear();
+  for (std::size_t i = 0; i < moving_.size(); ++i) {
+    const Box &bounds = placed.bounds()[moving_[i]], &before = faded_[i].bounds;
+    const bool stands = placed.poses()[moving_[i]] == faded_[i].pose && before.min == bounds.min &&
+                        before.max == bounds.max;
+    if (bounds.empty() || stands) continue;
+    boxes_.push_back(before);
+    boxes_.back().add(bounds);
+  }
+  return boxes_;
+}
+
+}  // namespace rilievo
