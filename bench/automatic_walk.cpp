@@ -1,6 +1,5 @@
 #include "bench/automatic_walk.h"
 
-#include <cmath>
 #include <memory>
 #include <numeric>
 #include <random>

@@ -17,7 +17,8 @@ namespace rilievo::bench {
 inline constexpr int kAutoSamples = 4;      // of a pixel, of all methods
 inline constexpr int kAutoReference = 36;   // of a true frame
 inline constexpr double kAutoRefresh = 30;  // frames a second of the eye, however long they take
-inline constexpr int kPlaceFrames = 20;     // frames are compared with the truth once in so many
+// Frames are compared with the truth once in so many, at so many places at most: each is kept.
+inline constexpr int kPlaceFrames = 20, kMostPlaces = 12;
 inline constexpr int kUsualFrames = 8;  // how many frames without a change are looked at for pops
 // Who prepares for so much longer than direct drawing before its first frame lets the user wait, as
 // no other does.
@@ -77,13 +78,15 @@ struct AutoRun {
   MethodOptions method;
 
   // A place is judged each so many frames.
-  [[nodiscard]] int place_frames() const { return std::min(kPlaceFrames, frames); }
+  [[nodiscard]] int place_frames() const {
+    return std::min(std::max(kPlaceFrames, frames / kMostPlaces), frames);
+  }
 };
 
 // Draws the same frames by all methods in turn, so that each meets the same load; the path goes to
 // and fro. What they show is judged after the last frame, so that no method has the time of a true
-// frame to prepare in. Keeps the frames of a dozen places: 22 MiB each at 1280 x 720. Fails where a
-// method does.
+// frame to prepare in: keeps the frames of all methods at each place, 22 MB at 1280 x 720, and two
+// of auto at each change. Fails where a method does.
 [[nodiscard]] Result<AutoWalk> walk_by_all(const Scene& scene, const CameraPath& path,
                                            const AutoRun& run);
 
