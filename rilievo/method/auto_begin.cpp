@@ -136,11 +136,13 @@ Result<bool> AutoFrames::count_polygons(const Camera& camera, double time) {
     if (Result<> drawn = frames_[kDirect]->draw(camera, time); !drawn) return drawn.error();
     begun_ms_ = warm.ms();
     learn_slowness(MachineSlowness::polygons, begun_ms_ / counted_ms, false);
+    direct_counted_ = false;
   } else {
-    begun_ms_ = kOfFirst * std::min(watch.ms(), slowness_.value() * counted_ms);
+    const double ms = watch.ms(), believed_ms = slowness_.value() * counted_ms;
+    begun_ms_ = kOfFirst * std::min(ms, believed_ms);
+    direct_counted_ = believed_ms < ms;
   }
   learn_direct(begun_ms_, false);
-  direct_counted_ = !again;
   cheap_ = counted_ms < load_.pixels_ms();
   return polygons_over_keyframes(counted_ms) >= kKeyframesPay;
 }
