@@ -186,13 +186,13 @@ void AutoFrames::let_cache_catch_up(const Camera& camera, bool draws) {
 }
 
 // What another method showed in the last frame fades out.
-void AutoFrames::fade(const Camera& camera) {
+void AutoFrames::fade(const Camera& camera, double time) {
   const SoftwareTarget* now = active_->software_target();
   if (!now || only_direct_ || eye_.jumped() || !as_large_as_shown(camera)) fade_.end();
   shown_ = now, shown_camera_ = camera;
-  moved_.show(backend_.placed());
+  moved_.show(time);
   if (!fade_.goes_on()) return;
-  fade_.mix(*now, camera, moved_.since(backend_.placed()));
+  fade_.mix(*now, camera, moved_.since(time));
   shown_ = &fade_.target();
   stats_.bound_px.reset();  // of a mean of two frames none is known
 }
@@ -208,7 +208,7 @@ void AutoFrames::leave_place() {
   if (draws_keyframes()) forget_loss(kKeyframes);
   if (preparing_ < 0 && made_.keyframes) made_.jumped = true, made_.jumped_in = frame_;
   keyframes_seen_ = frame_ - kKeyframesLast - 1, cache_drawn_ = kNever;
-  cheap_ = direct_counted_ = false, cache_loss_.reset();
+  cheap_ = false, cache_loss_.reset();
 }
 
 Result<> AutoFrames::draw(const Camera& camera, double time) {
@@ -221,7 +221,7 @@ Result<> AutoFrames::draw(const Camera& camera, double time) {
     Result<> drawn = active_->draw(camera, time);
     stats_ = active_->stats();
     stats_.decision = {kCandidates[kDirect].name, describe(AutoReason::only)};
-    fade(camera);
+    fade(camera, time);
     return drawn;
   }
   if (Result<> adopted = adopt(); !adopted) return adopted;
@@ -303,7 +303,7 @@ Result<> AutoFrames::draw(const Camera& camera, double time) {
   stats_.decision = {kCandidates[choice.draws].name, describe(choice.reason), choice.expected_ms,
                      choice.rival < 0 ? std::string_view() : kCandidates[choice.rival].name,
                      choice.rival_ms};
-  fade(camera);
+  fade(camera, time);
   return Done{};
 }
 

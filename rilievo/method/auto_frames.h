@@ -86,7 +86,6 @@ class AutoFrames final : public FrameSource {
     bool followed = false;                       // keyframes know how the eye moves
     bool jumped = false;                         // the eye did, since they were last told
     int jumped_in = 0;                           // the frame in which it did last
-    int first_in = 0;                            // the frame that made the first keyframe
     bool by_frames = false, first_seen = false;  // keyframes: frames make them; the first was seen
     KeyframesDoubt doubt;                        // of those
     UsualTime usual;
@@ -145,7 +144,7 @@ class AutoFrames final : public FrameSource {
   void end_first_keyframe();
   void prepare(int method, const Camera& camera, double time);
   void make_part(const Camera& camera, double time, double ms);
-  void look_at_first_keyframe(const Camera& camera, double time);
+  void look_at_first_keyframe(const Camera& camera, double time, int age);
   bool keep_shown(const Camera& camera, double time, int drawn_by);
   [[nodiscard]] KeyframeFrames* prepared_keyframes() const {
     return keyframes_ ? keyframes_ : made_.keyframes.get();
@@ -154,7 +153,7 @@ class AutoFrames final : public FrameSource {
   void begin_fade(int to);
   void leave_place();
   void let_cache_catch_up(const Camera& camera, bool draws);
-  void fade(const Camera& camera);
+  void fade(const Camera& camera, double time);
   void show(const Camera& camera, double time, int drawn_by);
   void look_at_prepared();
   Result<> adopt();

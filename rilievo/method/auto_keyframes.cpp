@@ -174,7 +174,7 @@ bool kept_after_trial(int frames, int warm_up, double keyframes_ms, double cache
 
 Result<std::optional<double>> loss_ahead(const EyePrediction& eye, double time,
                                          KeyframeFrames& frames, int age) {
-  const double ahead = std::max(0.5 * frames.least_frames_for_one() - age, 0.0);
+  const double ahead = 0.5 * std::max(frames.least_frames_for_one() - age, 0.0);
   return loss_from(eye.after(ahead), time, frames);
 }
 

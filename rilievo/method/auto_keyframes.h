@@ -129,9 +129,9 @@ class KeyframesDoubt {
 
 // What is warped from keyframes loses where the eye will be when the next one is half complete, as
 // far as these show it; halfway both are the farthest. One that gets a share of frames is taken to
-// come as soon as it may: frames are looked at when they draw. `age`: the frames since the newest
-// was made, by which the eye is nearer to that place. None: it is not known. Fails where memory
-// does not suffice.
+// come as soon as it may: frames are looked at when they draw. `age`: where the next one is made at
+// once, the frames since the newest was made: the middle between the two is nearer by half of that.
+// None: it is not known. Fails where memory does not suffice.
 [[nodiscard]] Result<std::optional<double>> loss_ahead(const EyePrediction& eye, double time,
                                                        KeyframeFrames& frames, int age = 0);
 

@@ -363,16 +363,18 @@ TEST(AutoKeyframes, one_more_is_made_for_an_eye_that_has_gone_on) {
   for (go_on(); !(*frames)->prepared(); go_on())
     ASSERT_TRUE((*frames)->prepare(camera(frame), 0, frame == 1).ok());
   const std::uint64_t two = (*frames)->made_count();
+  // Where the next one is made at once the middle between both is the nearer the older this one is,
+  // and in the end where the eye is.
+  const int whole = int(std::ceil((*frames)->least_frames_for_one()));
+  const Result<std::optional<double>> ahead = loss_ahead(eye, 0, **frames),
+                                      here = loss_ahead(eye, 0, **frames, whole),
+                                      older = loss_ahead(eye, 0, **frames, 1000);
+  ASSERT_TRUE(ahead.ok() && here.ok() && older.ok() && *ahead && *here && *older);
+  EXPECT_NEAR(**here, **older, 0.3);  // other pixels are looked at
+  EXPECT_LT(**here, **ahead - 0.3);
   for (int i = 0; i < 24; ++i) go_on();
   const Result<std::optional<double>> left_behind = loss_ahead(eye, 0, **frames);
   ASSERT_TRUE(left_behind.ok() && *left_behind);
-  // Of one that is as old as half the way to the next, it is where the eye is that counts.
-  const double half = 0.5 * (*frames)->least_frames_for_one();
-  const Result<std::optional<double>> here = loss_ahead(eye, 0, **frames, int(std::ceil(half))),
-                                      older = loss_ahead(eye, 0, **frames, 1000);
-  ASSERT_TRUE(here.ok() && older.ok() && *here && *older);
-  EXPECT_NEAR(**here, **older, 0.3);  // other pixels are looked at
-  EXPECT_LT(**here, **left_behind);
   SharedEye shared;
   EXPECT_FALSE(shared.latest());
   const auto make = [&](bool moves) {

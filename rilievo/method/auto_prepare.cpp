@@ -117,10 +117,9 @@ void AutoFrames::make_part(const Camera& camera, double time, double ms) {
   const double part_ms =
       time_for_keyframes(ms, usual_ms, outlook_[kDirect].guess_ms, outlook_[kKeyframes].guess_ms);
   // All of one in this frame must be likely to be of use: where the first frame made one, it tells.
-  const bool any = frames.any() && !jumped;
-  if (!any) made_.first_in = frame_;
-  if (any && part_ms == KeyframeProducer::kAtOnce && !std::exchange(made_.first_seen, true)) {
-    look_at_first_keyframe(camera, time);
+  if (!jumped && part_ms == KeyframeProducer::kAtOnce && frames.any() &&
+      !std::exchange(made_.first_seen, true)) {
+    look_at_first_keyframe(camera, time, frame_ - (begun_in_ + 1));
     return;
   }
   if (!frames.prepare(camera, time, jumped, part_ms)) {
@@ -128,16 +127,16 @@ void AutoFrames::make_part(const Camera& camera, double time, double ms) {
   } else if (frames.prepared()) {
     stage_ = Preparing::shown;
   } else if (frames.any() && !std::exchange(made_.first_seen, true)) {
-    look_at_first_keyframe(camera, time);
+    look_at_first_keyframe(camera, time, 0);
   }
 }
 
 // Where the first one alone loses far too much, as the cache does not, a second one is of no use.
-void AutoFrames::look_at_first_keyframe(const Camera& camera, double time) {
+void AutoFrames::look_at_first_keyframe(const Camera& camera, double time, int age) {
   stage_ = Preparing::first_looked_at;
   keep_shown(camera, time, drawn_by_);
   prepared_ = false;
-  beside_->run([this, eye = eye_, time, age = frame_ - made_.first_in] {
+  beside_->run([this, eye = eye_, time, age] {
     KeyframeFrames& frames = *prepared_keyframes();
     const Result<std::optional<double>> loss_db = loss_ahead(eye, time, frames, age);
     made_.failed = !loss_db;

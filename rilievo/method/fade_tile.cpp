@@ -25,10 +25,6 @@ using VF = hn::Vec<F>;
 using VI = hn::Vec<I>;
 using VU = hn::Vec<U>;
 
-// Surfaces are the same, or as leaves of one tree, where their distances from the old eye differ by
-// at most this share.
-constexpr float kSameSurface = 0.15f;
-
 // More that has moved in one tile is not told apart: all of it is new.
 constexpr std::size_t kMostMoved = 64;
 
@@ -133,19 +129,45 @@ HWY_INLINE OldPixels gather_texels(const FadedFrames& frames, const OldTexels& a
       texels(at.first), texels(hn::Add(at.first, one)), texels(lower), texels(hn::Add(lower, one)));
 }
 
-// In which pixels of row y is what has moved, or was in the old frame?
-HWY_INLINE hn::Mask<F> has_moved(std::span<const MovedRect* const> moved, int y, VF across) {
+// Do pixels from (x, y) on, or those beside them, show what has moved, or did the four texels of
+// the old frame that begin at `first`? A pixel has the depth of one of its samples: silhouettes are
+// found by what is beside them.
+HWY_INLINE hn::Mask<F> has_moved(const FadedFrames& frames,
+                                 std::span<const MovedThing* const> moved, int x, int y, VF w,
+                                 VI first) {
   const F f;
+  const I i;
+  const VF across = hn::Add(hn::Set(f, float(x)), hn::ConvertTo(f, hn::Iota(i, 0)));
+  const std::size_t width = std::size_t(frames.width), lanes = hn::Lanes(f),
+                    at = std::size_t(y) * width + std::size_t(x);
+  const bool has_beside = at > width && at + width + lanes < width * std::size_t(frames.height);
+  const auto old = [&](int offset) {
+    return hn::GatherIndex(f, frames.old_inverse_z, hn::Add(first, hn::Set(i, offset)));
+  };
+  const VF old_w[] = {old(0), old(1), old(frames.width), old(frames.width + 1)};
+  const float* depths = frames.inverse_z + at;
   auto any = hn::Lt(across, hn::Zero(f));  // none
-  for (const MovedRect* rect : moved)
-    if (float(y) >= rect->top && float(y) < rect->bottom)
-      any = hn::Or(any, hn::And(hn::Ge(across, hn::Set(f, rect->left)),
-                                hn::Lt(across, hn::Set(f, rect->right))));
+  for (const MovedThing* thing : moved) {
+    if (float(y) < thing->top || float(y) >= thing->bottom) continue;
+    const auto in =
+        hn::And(hn::Ge(across, hn::Set(f, thing->left)), hn::Lt(across, hn::Set(f, thing->right)));
+    if (hn::AllFalse(f, in)) continue;
+    const auto shows = [&](VF value) {
+      return hn::And(hn::Ge(value, hn::Set(f, thing->least_inverse_z)),
+                     hn::Le(value, hn::Set(f, thing->most_inverse_z)));
+    };
+    auto it = shows(w);
+    for (const VF one : old_w) it = hn::Or(it, shows(one));
+    if (has_beside)
+      for (const float* beside : {depths - 1, depths + 1, depths - width, depths + width})
+        it = hn::Or(it, shows(hn::LoadU(f, beside)));
+    any = hn::Or(any, hn::And(in, it));
+  }
   return any;
 }
 
 // Pixels from (x, y) on, whose colours and depths are given.
-HWY_INLINE VU mixed(const FadedFrames& frames, std::span<const MovedRect* const> moved, int x,
+HWY_INLINE VU mixed(const FadedFrames& frames, std::span<const MovedThing* const> moved, int x,
                     int y, VU color, VF w) {
   const F f;
   const I i;
@@ -188,7 +210,7 @@ HWY_INLINE VU mixed(const FadedFrames& frames, std::span<const MovedRect* const>
                                            : gather_texels(frames, texels);
   auto same = hn::And(inside, hn::Le(hn::Abs(hn::Sub(old.inverse_z, expected)),
                                      hn::Mul(of(kSameSurface), expected)));
-  if (!moved.empty()) same = hn::AndNot(has_moved(moved, y, across), same);
+  if (!moved.empty()) same = hn::AndNot(has_moved(frames, moved, x, y, w, first), same);
   const VF passed = hn::Mul(w, of(frames.way));
   const VF as_before =
       hn::Mul(hn::Sub(of(kOtherShading), passed), of(1 / (kOtherShading - kSameShading)));
@@ -209,15 +231,15 @@ double fade(const FadedFrames& frames, FrameTile& tile) {
   float last_depths[kBlock] = {};
   std::uint32_t last_colors[kBlock] = {};
   VU of_old = hn::Zero(u);
-  std::array<const MovedRect*, kMostMoved> rects;
+  std::array<const MovedThing*, kMostMoved> things;
   std::size_t count_moved = 0;
-  for (const MovedRect& rect : frames.moved)
-    if (rect.left < float(tile.x + columns) && rect.right > float(tile.x) &&
-        rect.top < float(tile.y + rows) && rect.bottom > float(tile.y) &&
-        count_moved++ < rects.size())
-      rects[count_moved - 1] = &rect;
-  const bool all_moved = count_moved > rects.size();
-  const std::span<const MovedRect* const> moved(rects.data(), all_moved ? 0 : count_moved);
+  for (const MovedThing& thing : frames.moved)
+    if (thing.left < float(tile.x + columns) && thing.right > float(tile.x) &&
+        thing.top < float(tile.y + rows) && thing.bottom > float(tile.y) &&
+        count_moved++ < things.size())
+      things[count_moved - 1] = &thing;
+  const bool all_moved = count_moved > things.size();
+  const std::span<const MovedThing* const> moved(things.data(), all_moved ? 0 : count_moved);
   for (int y = 0; y < rows; ++y) {
     const std::size_t row =
         std::size_t(tile.y + y) * std::size_t(frames.width) + std::size_t(tile.x);

@@ -18,12 +18,16 @@ namespace rilievo {
 // What is seen from the side of another direction shines otherwise: of a surface that the eye has
 // passed by the first angle all of the old frame counts, and nothing by the second one, in radians.
 inline constexpr float kSameShading = 0.03f, kOtherShading = 0.1f;
+// Surfaces are the same, or as leaves of one tree, where their distances from the old eye differ by
+// at most this share.
+inline constexpr float kSameSurface = 0.15f;
 
 // Where something was or is that has moved between the frames: pixels of the new frame from left
-// and top on, up to right and bottom. Its silhouette is mixed with what is behind it, so that
-// depths do not tell its pixels.
-struct MovedRect {
+// and top on, up to right and bottom, that show it or are beside some that do, in either frame, by
+// 1 / eye_z.
+struct MovedThing {
   float left = 0, top = 0, right = 0, bottom = 0;
+  float least_inverse_z = 0, most_inverse_z = 0;
 };
 
 // Two frames of the same size.
@@ -40,7 +44,7 @@ struct FadedFrames {
   glm::vec2 to_raster{1}, raster_start{0};
   float way = 0;                 // of the eye, between the frames
   std::uint32_t old_weight = 0;  // in shares of 256
-  std::span<const MovedRect> moved;
+  std::span<const MovedThing> moved;
 };
 
 // Fills the tile's first samples with the mixed colours, or with the new frame's where the old one

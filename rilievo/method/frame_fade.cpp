@@ -5,6 +5,7 @@
 
 #include "rilievo/core/box_view.h"
 #include "rilievo/core/expects.h"
+#include "rilievo/render/draw_list.h"
 
 namespace rilievo {
 namespace {
@@ -13,18 +14,24 @@ const std::uint32_t* words(const Rgba8Image& image) {
   return reinterpret_cast<const std::uint32_t*>(image.texels().data());
 }
 
-// Where a box is seen in a frame of `camera` whose eye is `way` metres from the old one. The old
-// frame is looked up by the new one's depths, so that what was before them is aside by as much as
-// the eye's way lets it be.
-MovedRect rect_around(const Box& box, const Camera& camera, double way) {
-  const BoxView view = view_of_box(eye_from_world(camera), box, camera.projection);
+// What has moved within a box, for a frame of `camera` whose eye is `way` metres from that of
+// `old`. The old frame is looked up by the new one's depths, so that what was before them, by no
+// more than what counts as the same surface, is aside by a part of the eye's way.
+MovedThing moved_within(const Box& box, const Camera& camera, const Camera& old, double way) {
+  const BoxView view = view_of_box(eye_from_world(camera), box, camera.projection),
+                old_view = view_of_box(eye_from_world(old), box, old.projection);
   const RasterRect rect = rect_of_box(camera, view);
+  const double farthest = std::max(view.farthest, old_view.farthest),
+               nearest = std::max(std::min(view.nearest, old_view.nearest), camera.z_near);
+  // Not in view of either eye.
+  if (farthest < nearest ||
+      !(may_touch(frustum_of(camera), box) || may_touch(frustum_of(old), box)))
+    return {};
   const double pixels = camera.width / (camera.window.right - camera.window.left),
-               around = 1 + way * pixels / std::max(view.nearest, camera.z_near);
-  // Behind the eye there is nothing to be seen of it.
-  if (view.farthest < camera.z_near || rect.empty()) return {};
-  return {float(rect.left - around), float(rect.top - around), float(rect.right + around),
-          float(rect.bottom + around)};
+               around = 1 + double(kSameSurface) * pixels *
+                                std::min(way / nearest, double(kOtherShading));
+  return {float(rect.left - around),   float(rect.top - around), float(rect.right + around),
+          float(rect.bottom + around), float(1 / farthest),      float(1 / nearest)};
 }
 
 }  // namespace
@@ -73,7 +80,8 @@ void FrameFade::mix(const SoftwareTarget& frame, const Camera& camera, std::span
                        float(old_camera_.height / (old.bottom - old.top))};
   frames_.raster_start = {float(old.left), float(old.top)};
   moved_.clear();
-  for (const Box& box : moved) moved_.push_back(rect_around(box, camera, double(frames_.way)));
+  for (const Box& box : moved)
+    moved_.push_back(moved_within(box, camera, old_camera_, double(frames_.way)));
   frames_.moved = moved_;
   most_ = 0;
   const TileDrawer* drawer = this;

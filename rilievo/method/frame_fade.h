@@ -67,7 +67,7 @@ class FrameFade final : private TileDrawer {
   Camera old_camera_, camera_;
   SoftwareTarget target_{1, 1, 1};
   const SoftwareTarget* frame_ = nullptr;
-  std::vector<MovedRect> moved_;
+  std::vector<MovedThing> moved_;
   FadedFrames frames_;
 };
 

@@ -7,11 +7,13 @@ MovedObjects::MovedObjects(const Scene& scene) {
     if (scene.objects[i].moving) moving_.push_back(std::uint32_t(i));
   shown_.resize(moving_.size()), faded_.resize(moving_.size());
   boxes_.reserve(moving_.size());
+  if (!moving_.empty()) placed_.emplace(scene);
 }
 
-void MovedObjects::show(const PlacedScene& placed) {
+void MovedObjects::show(double time) {
+  if (placed_) placed_->set_time(time);
   for (std::size_t i = 0; i < moving_.size(); ++i)
-    shown_[i] = {placed.poses()[moving_[i]], placed.bounds()[moving_[i]]};
+    shown_[i] = {placed_->poses()[moving_[i]], placed_->bounds()[moving_[i]]};
 }
 
 void MovedObjects::begin_fade(bool mixed) {
@@ -22,12 +24,13 @@ void MovedObjects::begin_fade(bool mixed) {
   }
 }
 
-std::span<const Box> MovedObjects::since(const PlacedScene& placed) {
+std::span<const Box> MovedObjects::since(double time) {
   boxes_.clear();
+  if (placed_) placed_->set_time(time);
   for (std::size_t i = 0; i < moving_.size(); ++i) {
-    const Box &bounds = placed.bounds()[moving_[i]], &before = faded_[i].bounds;
-    const bool stands = placed.poses()[moving_[i]] == faded_[i].pose && before.min == bounds.min &&
-                        before.max == bounds.max;
+    const Box &bounds = placed_->bounds()[moving_[i]], &before = faded_[i].bounds;
+    const bool stands = placed_->poses()[moving_[i]] == faded_[i].pose &&
+                        before.min == bounds.min && before.max == bounds.max;
     if (bounds.empty() || stands) continue;
     boxes_.push_back(before);
     boxes_.back().add(bounds);

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -17,13 +18,13 @@ class MovedObjects {
  public:
   explicit MovedObjects(const Scene& scene);
 
-  // A frame of this moment was shown.
-  void show(const PlacedScene& placed);
+  // A frame of this moment (seconds) was shown.
+  void show(double time);
   // The frame that was shown last fades out. `mixed`: it is itself one of a fade.
   void begin_fade(bool mixed);
   // Boxes in world space around each object that has moved since, from where it was to where it is
   // at this moment. Valid until the next call.
-  [[nodiscard]] std::span<const Box> since(const PlacedScene& placed);
+  [[nodiscard]] std::span<const Box> since(double time);
 
  private:
   struct Place {
@@ -32,6 +33,8 @@ class MovedObjects {
   };
 
   std::vector<std::uint32_t> moving_;
+  // Of its own: each method that draws places its own scene. None: nothing moves.
+  std::optional<PlacedScene> placed_;
   std::vector<Place> shown_, faded_;  // of each of these
   std::vector<Box> boxes_;
 };
