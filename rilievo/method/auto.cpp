@@ -168,7 +168,7 @@ void AutoFrames::begin_fade(int to) {
     frames = std::min(frames, std::max(fade_.mixed(), 1));
   catches_up_ = to == kCache && frame_ - cache_drawn_ <= kPicturesLast;
   fade_.begin(*shown_, shown_camera_, frames, catches_up_);
-  moved_.begin_fade(within);
+  moved_.begin_fade(shown_time_, within);
   // What fades out now is a mix of two.
   fades_out_ = within ? -1 : drawn_by_;
 }
@@ -189,8 +189,7 @@ void AutoFrames::let_cache_catch_up(const Camera& camera, bool draws) {
 void AutoFrames::fade(const Camera& camera, double time) {
   const SoftwareTarget* now = active_->software_target();
   if (!now || only_direct_ || eye_.jumped() || !as_large_as_shown(camera)) fade_.end();
-  shown_ = now, shown_camera_ = camera;
-  moved_.show(time);
+  shown_ = now, shown_camera_ = camera, shown_time_ = time;
   if (!fade_.goes_on()) return;
   fade_.mix(*now, camera, moved_.since(time));
   shown_ = &fade_.target();

@@ -189,6 +189,7 @@ class AutoFrames final : public FrameSource {
   int still_frames_ = 0;                   // the eye has not moved for so many
   const SoftwareTarget* shown_ = nullptr;  // the last frame; null: no software drew it
   Camera shown_camera_;
+  double shown_time_ = 0;
   bool refined_ = false;  // levels draw with a smaller error from the next frame on
   FrameStats stats_;
   bool failed_[kMethods] = {};

@@ -377,8 +377,7 @@ TEST_F(FrameFadeTest, of_what_moves_nothing_is_seen_twice) {
     ASSERT_TRUE(made->frames->draw(before, 0).ok());
     const SoftwareTarget old =
         showing(made->frames->software_target()->color(), *made->frames->software_target());
-    moved.show(0);
-    moved.begin_fade(false);
+    moved.begin_fade(0, false);
     EXPECT_TRUE(moved.since(0).empty());
     ASSERT_TRUE(made->frames->draw(eye, 0.3).ok());
     const SoftwareTarget& now = *made->frames->software_target();
@@ -404,10 +403,8 @@ TEST(MovedObjects, boxes_hold_where_things_were_and_where_they_are) {
   const auto built = make_builtin("builtin:bridge?triangles=200000");
   ASSERT_TRUE(built.ok());
   MovedObjects moved(built->scene);
-  moved.show(0);
-  moved.begin_fade(false);
-  moved.show(0.2);
-  moved.begin_fade(true);  // within that fade
+  moved.begin_fade(0, false);
+  moved.begin_fade(0.2, true);  // within that fade
   const std::span<const Box> boxes = moved.since(0.3);
   std::vector<Box> wanted(built->scene.objects.size());
   PlacedScene placed(built->scene);

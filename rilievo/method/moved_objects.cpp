@@ -5,21 +5,16 @@ namespace rilievo {
 MovedObjects::MovedObjects(const Scene& scene) {
   for (std::size_t i = 0; i < scene.objects.size(); ++i)
     if (scene.objects[i].moving) moving_.push_back(std::uint32_t(i));
-  shown_.resize(moving_.size()), faded_.resize(moving_.size());
+  faded_.resize(moving_.size());
   boxes_.reserve(moving_.size());
   if (!moving_.empty()) placed_.emplace(scene);
 }
 
-void MovedObjects::show(double time) {
+void MovedObjects::begin_fade(double time, bool mixed) {
   if (placed_) placed_->set_time(time);
-  for (std::size_t i = 0; i < moving_.size(); ++i)
-    shown_[i] = {placed_->poses()[moving_[i]], placed_->bounds()[moving_[i]]};
-}
-
-void MovedObjects::begin_fade(bool mixed) {
   for (std::size_t i = 0; i < moving_.size(); ++i) {
     const Box before = faded_[i].bounds;
-    faded_[i] = shown_[i];
+    faded_[i] = {placed_->poses()[moving_[i]], placed_->bounds()[moving_[i]]};
     if (mixed) faded_[i].bounds.add(before);
   }
 }

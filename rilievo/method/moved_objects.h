@@ -18,10 +18,8 @@ class MovedObjects {
  public:
   explicit MovedObjects(const Scene& scene);
 
-  // A frame of this moment (seconds) was shown.
-  void show(double time);
-  // The frame that was shown last fades out. `mixed`: it is itself one of a fade.
-  void begin_fade(bool mixed);
+  // A frame of this moment (seconds) fades out. `mixed`: it is itself one of a fade.
+  void begin_fade(double time, bool mixed);
   // Boxes in world space around each object that has moved since, from where it was to where it is
   // at this moment. Valid until the next call.
   [[nodiscard]] std::span<const Box> since(double time);
@@ -35,7 +33,7 @@ class MovedObjects {
   std::vector<std::uint32_t> moving_;
   // Of its own: each method that draws places its own scene. None: nothing moves.
   std::optional<PlacedScene> placed_;
-  std::vector<Place> shown_, faded_;  // of each of these
+  std::vector<Place> faded_;  // of each of these
   std::vector<Box> boxes_;
 };
 
