@@ -17,7 +17,7 @@ namespace rilievo {
 inline constexpr double kOneSurface = 1.25;
 
 // A sample with what is known of it.
-struct Known {
+struct KnownSample {
   LayerSample sample;
   glm::vec3 normal{0};
   float faces = 0;  // the cosine at which its picture sees it
@@ -27,7 +27,8 @@ struct Known {
   bool sheet = false;  // not of a closed object: its other side is seen, too
 };
 
-[[nodiscard]] inline Known known_of(const SampleSides& sides, std::uint32_t source, std::size_t s) {
+[[nodiscard]] inline KnownSample known_of(const SampleSides& sides, std::uint32_t source,
+                                          std::size_t s) {
   const glm::vec3 forward(sides.layers().camera.forward());
   return {sides.layers().samples[s], sides.normal(s), -glm::dot(sides.normal(s), forward), source,
           sides.is_inner(s),

@@ -28,7 +28,7 @@ class Opinions {
  public:
   void clear() { opinions_.clear(); }
   [[nodiscard]] std::size_t size() const { return opinions_.size(); }
-  void add(const Known& of) {
+  void add(const KnownSample& of) {
     auto found = std::find_if(opinions_.begin(), opinions_.end(),
                               [&](const Opinion& o) { return o.source == of.source; });
     if (found == opinions_.end()) found = opinions_.insert(found, {.source = of.source});
@@ -64,14 +64,14 @@ float facing(const glm::vec3& sum, const glm::vec3& own, const glm::vec3& forwar
 }
 
 // Is `other` seen beside `of`, on the same side of one surface?
-bool same_side(const Known& of, const Known& other) {
+bool same_side(const KnownSample& of, const KnownSample& other) {
   if (other.inner || !other.sure || other.sample.object != of.sample.object) return false;
   return !of.sure ||
          glm::dot(other.normal, of.inner ? -of.normal : of.normal) >= (of.sheet ? 0.0f : kSameSide);
 }
 
 // Does `other` show the other side of the sheet that `of` shows?
-bool other_side(const Known& of, const Known& other) {
+bool other_side(const KnownSample& of, const KnownSample& other) {
   return of.sheet && other.sample.object == of.sample.object &&
          glm::dot(of.normal, other.normal) < 0;
 }
@@ -84,17 +84,17 @@ bool other_side(const Known& of, const Known& other) {
 // that sees it nearly edge-on would be a dotted line. An inner side shows what is seen of the outer
 // one. Both sides of a leaf are seen, but a place has one colour: the mean of both, by the shares
 // of the picture's viewers that see them, so that no leaf is peppered with its other side.
-void mix_sources(const LayeredDepthImage& layers, const std::vector<Known>& known, double per_metre,
-                 std::vector<LayerSample>& out) {
+void mix_sources(const LayeredDepthImage& layers, const std::vector<KnownSample>& known,
+                 double per_metre, std::vector<LayerSample>& out) {
   const double texel = largest_texel(layers.camera);
   const glm::vec3 forward(layers.camera.forward());
   std::vector<float> depths;  // close together, to be searched
   depths.reserve(known.size());
-  for (const Known& k : known) depths.push_back(k.sample.depth);
+  for (const KnownSample& k : known) depths.push_back(k.sample.depth);
   Opinions opinions, others;
   for (std::size_t line = 0; line + 1 < layers.first.size(); ++line)
     for (std::uint64_t s = layers.first[line]; s < layers.first[line + 1]; ++s) {
-      const Known& of = known[s];
+      const KnownSample& of = known[s];
       opinions.clear(), others.clear();
       glm::vec3 normal(0);  // what all of them say of it
       const double reach = (of.sheet ? kOneSheet : kOneSurface) * texel;
@@ -106,7 +106,7 @@ void mix_sources(const LayeredDepthImage& layers, const std::vector<Known>& know
         for (; at != end && *at <= of.sample.depth + along; ++at) {
           const double deeper = double(*at - of.sample.depth) / per_metre;
           if (aside + deeper * deeper > reach * reach) continue;
-          const Known& other = known[std::size_t(at - depths.begin())];
+          const KnownSample& other = known[std::size_t(at - depths.begin())];
           if (same_side(of, other))
             opinions.add(other), normal += other.normal;
           else if (other_side(of, other))

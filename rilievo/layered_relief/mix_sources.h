@@ -9,7 +9,7 @@ namespace rilievo {
 
 // Of `out`, which are those of `layers` and stand for `known`, in their order; `per_metre`: depth
 // of the picture for a metre.
-void mix_sources(const LayeredDepthImage& layers, const std::vector<Known>& known, double per_metre,
-                 std::vector<LayerSample>& out);
+void mix_sources(const LayeredDepthImage& layers, const std::vector<KnownSample>& known,
+                 double per_metre, std::vector<LayerSample>& out);
 
 }  // namespace rilievo

@@ -39,7 +39,7 @@ constexpr std::uint32_t kNone = 0xffffffff;
 struct Added {
   std::vector<std::uint32_t> head;  // by line of sight, into the others
   std::vector<std::uint32_t> next;
-  std::vector<Known> known;  // as `next`
+  std::vector<KnownSample> known;  // as `next`
 };
 
 // The outer sides of closed bodies that other pictures see, where a picture has them: of line of
@@ -178,7 +178,7 @@ class Lacking {
     lattice.each_place(spacing, of, [&](const PlaceBetween& between) {
       const std::optional<PlacedIn> place = lacks(between.world);
       if (!place) return;
-      Known known = known_of(sides, source, between.around[0]);
+      KnownSample known = known_of(sides, source, between.around[0]);
       known.sample.color = color_of(sides.layers(), between);
       add(known, *place);
     });
@@ -191,7 +191,7 @@ class Lacking {
     if (coverage_.covers(placing_.about(world))) return std::nullopt;
     return placing_.find(world);
   }
-  void add(Known known, const PlacedIn& place) {
+  void add(KnownSample known, const PlacedIn& place) {
     known.sample.depth = known.sample.back = float(place.depth);
     if (known.inner)
       color_as_outer(to_, outer_, known.normal, place.line, per_metre_, known.sample);
@@ -217,7 +217,7 @@ LayeredDepthImage with(const SampleSides& own, std::uint32_t number, const Outer
   out.name = layers.name;
   out.camera = layers.camera;
   out.depth_kind = layers.depth_kind;
-  std::vector<Known> known;
+  std::vector<KnownSample> known;
   known.reserve(layers.samples.size() + added.known.size());
   out.first.reserve(layers.first.size());
   out.first.push_back(0);
@@ -253,7 +253,7 @@ LayeredDepthImage with(const SampleSides& own, std::uint32_t number, const Outer
     out.first.push_back(known.size());
   }
   out.samples.reserve(known.size());
-  for (const Known& k : known) out.samples.push_back(k.sample);
+  for (const KnownSample& k : known) out.samples.push_back(k.sample);
   mix_sources(out, known, per_metre, out.samples);
   return out;
 }
