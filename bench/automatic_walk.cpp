@@ -104,6 +104,19 @@ class Walker {
     return {Done()};
   }
 
+  // Of auto's first frames after a change, over the median of those around each.
+  [[nodiscard]] double worst_change() const {
+    const std::vector<double>& ms = walk_.methods[0].ms;
+    double worst = 0;
+    for (const std::size_t changed : change_frames_) {
+      const std::size_t first = changed - std::min(changed, kAround);
+      const std::size_t end = std::min(changed + kAround + 1, ms.size());
+      const double around = summarize(std::span(ms).subspan(first, end - first)).p50;
+      worst = std::max(worst, ms[changed] / around);
+    }
+    return worst;
+  }
+
  private:
   Result<> make_all() {
     for (const char* name : kAutoMethods) {
@@ -200,21 +213,6 @@ class Walker {
     return {Done()};
   }
 
- public:
-  // Of auto's first frames after a change, over the median of those around each.
-  [[nodiscard]] double worst_change() const {
-    const std::vector<double>& ms = walk_.methods[0].ms;
-    double worst = 0;
-    for (const std::size_t changed : change_frames_) {
-      const std::size_t first = changed - std::min(changed, kAround);
-      const std::size_t end = std::min(changed + kAround + 1, ms.size());
-      const double around = summarize(std::span(ms).subspan(first, end - first)).p50;
-      worst = std::max(worst, ms[changed] / around);
-    }
-    return worst;
-  }
-
- private:
   const Scene& scene_;
   const AutoRun& run_;
   AutoWalk& walk_;
